@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "patch_plane_clustering/core/region_polygons.h"
+#include "patch_plane_clustering/core/sensor_model.h"
+
+#include <string>
+#include <vector>
+
+namespace patch_plane_clustering {
+
+/// @brief All that a user can tune. Each default is given here once; parameter servers, YAML files, `--set` and
+/// dynamic_reconfigure know the fields by the names in configFields().
+struct Config {
+  int patch_size = 4;                 ///< k: columns of a patch; its rows follow from the angular steps [pixels]
+  double sigma_angle = 0.05;          ///< model tolerance of the angle between coplanar patches [rad]
+  double sigma_distance = 0.008;      ///< model tolerance of the distance between coplanar patches [m]
+  double similarity_threshold = 0.3;  ///< patches of at least this Gaussian similarity are coplanar, 0..1
+  int min_size = 350;                 ///< smallest region [points]
+  bool refine = true;                 ///< assign points one by one along the borders of clusters
+  double noise_scale = 0.0;           ///< factor on the sensor's noise; 0 = estimate the noise from each image
+  SensorModel sensor;
+  PolygonOptions polygons;
+};
+
+/// @brief One tunable field: its public name, meaning, unit and allowed range. Booleans and integers are carried as doubles.
+struct ConfigField {
+  enum class Type { kBool, kInt, kDouble };
+  std::string name;
+  Type type = Type::kDouble;
+  double min = 0.0;
+  double max = 0.0;
+  std::string description;  ///< ends with the unit in brackets
+  double (*get)(const Config&) = nullptr;
+  void (*set)(Config&, double) = nullptr;
+};
+
+/// @brief Every tunable field, in the order in which it is documented. Thread-safe.
+const std::vector<ConfigField>& configFields();
+
+/// @brief Sets a field by name. @throws std::invalid_argument naming the field, the value and the allowed range or, for an
+/// unknown name, the nearest known one.
+void setConfigField(Config& config, const std::string& name, double value);
+
+/// @brief As above, from text ("0.05", "true"), as on a command line.
+void setConfigField(Config& config, const std::string& name, const std::string& value);
+
+}  // namespace patch_plane_clustering

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/segmentation.h"
+
+#include <vector>
+
+namespace patch_plane_clustering {
+
+/// @brief Plane, centroid, covariance, point count and rms of every region of a label image, whichever method made the labels.
+/// @param labels values 1..N, 0 = none; same size as the grid.
+/// @return one region for each id 1..max that has at least 3 points; in ascending id.
+std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage& labels);
+
+/// @brief Renumbers labels to 1..N in descending number of pixels (ties: first pixel first) and clears regions of fewer than
+/// `min_size` valid points. @return N.
+int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels);
+
+}  // namespace patch_plane_clustering

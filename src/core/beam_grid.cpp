@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/beam_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace patch_plane_clustering {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+void resize(BeamGrid& grid, int rows, int cols, bool with_origins) {
+  grid.rows = rows;
+  grid.cols = cols;
+  const auto n = static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols);
+  for (auto* v : {&grid.dir_x, &grid.dir_y, &grid.dir_z}) v->assign(n, 0.0F);
+  grid.range.assign(n, kNaN);
+  for (auto* v : {&grid.origin_x, &grid.origin_y, &grid.origin_z}) v->assign(with_origins ? n : 0, 0.0F);
+}
+
+// Fills the directions of invalid pixels of one row: linear between the valid neighbours, continued beyond the outermost ones
+// with the step between the two nearest valid beams. Returns false if the row has no valid pixel.
+bool fillRow(BeamGrid& grid, int row) {
+  int previous = -1;
+  const auto set = [&](int col, const Eigen::Vector3f& d) {
+    const int i = grid.index(row, col);
+    const Eigen::Vector3f u = d.normalized();
+    grid.dir_x[i] = u.x();
+    grid.dir_y[i] = u.y();
+    grid.dir_z[i] = u.z();
+  };
+  int first = -1, second = -1, last = -1, before_last = -1;
+  for (int c = 0; c < grid.cols; ++c) {
+    if (!grid.valid(grid.index(row, c))) continue;
+    if (previous >= 0) {
+      const Eigen::Vector3f a = grid.direction(grid.index(row, previous));
+      const Eigen::Vector3f b = grid.direction(grid.index(row, c));
+      for (int j = previous + 1; j < c; ++j) {
+        const float t = static_cast<float>(j - previous) / static_cast<float>(c - previous);
+        set(j, a + t * (b - a));
+      }
+    }
+    if (first < 0) {
+      first = c;
+    } else if (second < 0) {
+      second = c;
+    }
+    before_last = last;
+    last = c;
+    previous = c;
+  }
+  if (first < 0) return false;
+  const auto extend = [&](int from, int towards, int col) {
+    const Eigen::Vector3f a = grid.direction(grid.index(row, from));
+    if (towards < 0) return set(col, a);
+    const Eigen::Vector3f b = grid.direction(grid.index(row, towards));
+    const float t = static_cast<float>(col - from) / static_cast<float>(from - towards);
+    // Never further than the beam next door turned by a quarter: a wide gap must not fold the row over itself.
+    set(col, a + std::clamp(t, 0.0F, 1.0F / std::max(1e-6F, (a - b).norm())) * (a - b));
+  };
+  for (int c = first - 1; c >= 0; --c) extend(first, second, c);
+  for (int c = last + 1; c < grid.cols; ++c) extend(last, before_last, c);
+  return true;
+}
+
+}  // namespace
+
+BeamGrid toBeamGrid(const RangeImage& image) {
+  checkConsistent(image);
+  BeamGrid grid;
+  bool same_origin = true;
+  for (const auto& pose : image.line_poses) same_origin = same_origin && pose.translation().isZero(1e-9);
+  resize(grid, image.rows, image.cols, !same_origin);
+  grid.beams_exact = true;
+
+  std::vector<float> cosines(image.cols), sines(image.cols);
+  for (int c = 0; c < image.cols; ++c) {
+    cosines[c] = static_cast<float>(std::cos(image.bearing(c)));
+    sines[c] = static_cast<float>(std::sin(image.bearing(c)));
+  }
+  const int knots = image.poses_per_row;
+  for (int r = 0; r < image.rows; ++r) {
+    const Eigen::Isometry3d* poses = &image.line_poses[static_cast<std::size_t>(r) * knots];
+    for (int c = 0; c < image.cols; ++c) {
+      const double at = knots == 1 || image.cols == 1 ? 0.0 : static_cast<double>(c) * (knots - 1) / (image.cols - 1);
+      const int k = std::min(static_cast<int>(at), std::max(0, knots - 2));
+      const int next = std::min(k + 1, knots - 1);
+      const double t = at - k;
+      const auto lerp = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) -> Eigen::Vector3d { return a + t * (b - a); };
+      const Eigen::Vector3d x = lerp(poses[k].linear().col(0), poses[next].linear().col(0));
+      const Eigen::Vector3d y = lerp(poses[k].linear().col(1), poses[next].linear().col(1));
+      const Eigen::Vector3d u = (x * cosines[c] + y * sines[c]).normalized();
+      const int i = grid.index(r, c);
+      grid.dir_x[i] = static_cast<float>(u.x());
+      grid.dir_y[i] = static_cast<float>(u.y());
+      grid.dir_z[i] = static_cast<float>(u.z());
+      if (!same_origin) {
+        const Eigen::Vector3d o = lerp(poses[k].translation(), poses[next].translation());
+        grid.origin_x[i] = static_cast<float>(o.x());
+        grid.origin_y[i] = static_cast<float>(o.y());
+        grid.origin_z[i] = static_cast<float>(o.z());
+      }
+      const float range = image.ranges[i];
+      if (range > 0.0F && isValidRange(range, image.range_min, image.range_max)) grid.range[i] = range;
+    }
+  }
+  return grid;
+}
+
+BeamGrid beamGridFromPoints(int rows, int cols, const std::vector<float>& x, const std::vector<float>& y,
+                            const std::vector<float>& z, const Eigen::Vector3f& viewpoint) {
+  if (rows <= 0 || cols <= 0) {
+    throw std::invalid_argument("cloud is empty (" + std::to_string(rows) + " rows, " + std::to_string(cols) + " columns)");
+  }
+  const auto n = static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols);
+  if (x.size() != n || y.size() != n || z.size() != n) {
+    throw std::invalid_argument("cloud has " + std::to_string(x.size()) + " points, expected rows x cols = " + std::to_string(n));
+  }
+  BeamGrid grid;
+  const bool shifted = !viewpoint.isZero();
+  resize(grid, rows, cols, shifted);
+  if (shifted) {
+    std::fill(grid.origin_x.begin(), grid.origin_x.end(), viewpoint.x());
+    std::fill(grid.origin_y.begin(), grid.origin_y.end(), viewpoint.y());
+    std::fill(grid.origin_z.begin(), grid.origin_z.end(), viewpoint.z());
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const Eigen::Vector3f p = Eigen::Vector3f(x[i], y[i], z[i]) - viewpoint;
+    const float range = p.norm();
+    if (!std::isfinite(range) || range <= 0.0F) continue;
+    grid.range[i] = range;
+    grid.dir_x[i] = p.x() / range;
+    grid.dir_y[i] = p.y() / range;
+    grid.dir_z[i] = p.z() / range;
+  }
+  std::vector<int> filled;
+  for (int r = 0; r < rows; ++r) {
+    if (fillRow(grid, r)) filled.push_back(r);
+  }
+  // A row without any measurement takes its directions from the nearest row that has some.
+  for (int r = 0; r < rows; ++r) {
+    if (std::binary_search(filled.begin(), filled.end(), r)) continue;
+    const auto after = std::lower_bound(filled.begin(), filled.end(), r);
+    int source = -1;
+    if (after != filled.end()) source = *after;
+    if (after != filled.begin() && (source < 0 || r - *(after - 1) <= source - r)) source = *(after - 1);
+    for (int c = 0; c < cols; ++c) {
+      const int i = grid.index(r, c);
+      const Eigen::Vector3f d = source < 0 ? Eigen::Vector3f::UnitX() : grid.direction(grid.index(source, c));
+      grid.dir_x[i] = d.x();
+      grid.dir_y[i] = d.y();
+      grid.dir_z[i] = d.z();
+    }
+  }
+  return grid;
+}
+
+}  // namespace patch_plane_clustering

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/config.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <sstream>
+#include <stdexcept>
+
+namespace patch_plane_clustering {
+namespace {
+
+using Type = ConfigField::Type;
+
+#define PPC_FIELD(name, type, min, max, member, description)                                   \
+  ConfigField {                                                                                \
+    name, type, min, max, description, [](const Config& c) { return static_cast<double>(c.member); }, \
+        [](Config& c, double v) { c.member = static_cast<decltype(c.member)>(v); }             \
+  }
+
+std::vector<ConfigField> makeFields() {
+  return {
+      PPC_FIELD("patch_size", Type::kInt, 2, 64, patch_size,
+                "k: columns of a patch; its rows follow from the angular steps [pixels]"),
+      PPC_FIELD("sigma_angle", Type::kDouble, 0.001, 1.0, sigma_angle,
+                "model tolerance of the angle between coplanar patches [rad]"),
+      PPC_FIELD("sigma_distance", Type::kDouble, 0.0001, 1.0, sigma_distance,
+                "model tolerance of the distance between coplanar patches [m]"),
+      PPC_FIELD("similarity_threshold", Type::kDouble, 0.001, 0.999, similarity_threshold,
+                "patches of at least this Gaussian similarity are coplanar [1]"),
+      PPC_FIELD("min_size", Type::kInt, 3, 1000000, min_size, "smallest region [points]"),
+      PPC_FIELD("refine", Type::kBool, 0, 1, refine, "assign points one by one along the borders of clusters"),
+      PPC_FIELD("noise_scale", Type::kDouble, 0, 100, noise_scale,
+                "factor on the sensor's noise; 0 = estimate the noise from each image [1]"),
+      PPC_FIELD("noise_near", Type::kDouble, 0.0001, 1.0, sensor.noise_near,
+                "range noise of the sensor, one standard deviation [m]"),
+      PPC_FIELD("noise_far", Type::kDouble, 0.0001, 1.0, sensor.noise_far, "range noise beyond noise_far_from [m]"),
+      PPC_FIELD("noise_far_from", Type::kDouble, 0.0, 1000.0, sensor.noise_far_from,
+                "range from which noise_far applies [m]"),
+      PPC_FIELD("noise_relative", Type::kDouble, 0.0, 0.5, sensor.noise_relative, "range noise as a share of the range [1]"),
+      PPC_FIELD("simplification_tolerance", Type::kDouble, 0.0, 1.0, polygons.simplification_tolerance,
+                "largest distance between an outline and its simplification; 0 = keep every corner [m]"),
+      PPC_FIELD("min_hole_size", Type::kInt, 1, 1000000, polygons.min_hole_size,
+                "holes of fewer pixels are filled [pixels]"),
+  };
+}
+
+#undef PPC_FIELD
+
+int editDistance(const std::string& a, const std::string& b) {
+  std::vector<int> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0);
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    int diagonal = row[0];
+    row[0] = static_cast<int>(i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const int substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
+    }
+  }
+  return row.back();
+}
+
+const ConfigField& fieldNamed(const std::string& name) {
+  const auto& fields = configFields();
+  const auto found = std::find_if(fields.begin(), fields.end(), [&](const auto& f) { return f.name == name; });
+  if (found != fields.end()) return *found;
+  const auto nearest = std::min_element(fields.begin(), fields.end(), [&](const auto& a, const auto& b) {
+    return editDistance(a.name, name) < editDistance(b.name, name);
+  });
+  throw std::invalid_argument("unknown parameter '" + name + "'; did you mean '" + nearest->name + "'?");
+}
+
+}  // namespace
+
+const std::vector<ConfigField>& configFields() {
+  static const std::vector<ConfigField> fields = makeFields();
+  return fields;
+}
+
+void setConfigField(Config& config, const std::string& name, double value) {
+  const ConfigField& field = fieldNamed(name);
+  const bool whole = field.type == Type::kDouble || value == std::round(value);
+  if (!whole || !(field.min <= value && value <= field.max)) {
+    std::ostringstream message;
+    message << "parameter '" << name << "' = " << value << " is not " << (whole ? "" : "a whole number ") << "in [" << field.min
+            << ", " << field.max << "]";
+    throw std::invalid_argument(message.str());
+  }
+  field.set(config, value);
+}
+
+void setConfigField(Config& config, const std::string& name, const std::string& value) {
+  const ConfigField& field = fieldNamed(name);
+  if (field.type == Type::kBool && (value == "true" || value == "false")) {
+    field.set(config, value == "true" ? 1.0 : 0.0);
+    return;
+  }
+  double number = 0.0;
+  std::istringstream in(value);
+  in.imbue(std::locale::classic());
+  if (!(in >> number) || !(in >> std::ws).eof()) {
+    throw std::invalid_argument("parameter '" + name + "' = '" + value + "' is not a number");
+  }
+  setConfigField(config, name, number);
+}
+
+}  // namespace patch_plane_clustering
