@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/segmenter.h"
 
+#include "patch_plane_clustering/core/clustering.h"
+#include "patch_plane_clustering/core/noise_model.h"
+#include "patch_plane_clustering/core/patch_grid.h"
+#include "patch_plane_clustering/core/refinement.h"
 #include "patch_plane_clustering/core/region_statistics.h"
 
+#include <algorithm>
 #include <chrono>
+#include <utility>
 
 namespace patch_plane_clustering {
 namespace {
@@ -22,6 +28,35 @@ class Stopwatch {
 };
 
 }  // namespace
+
+LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vector<StageTime>* stages) {
+  Stopwatch watch;
+  const auto lap = [&](const char* stage) {
+    if (stages != nullptr) stages->emplace_back(stage, watch.lap());
+  };
+  PatchGrid patches = makePatchGrid(grid, std::min(config.patch_size, std::max(grid.rows, grid.cols)), true);
+  lap("moments");
+
+  const NoiseModel noise = config.noise_scale > 0.0 ? NoiseModel(config.sensor, config.noise_scale)
+                                                    : NoiseModel::estimate(patches, config.sensor);
+  CoplanarityTolerance tolerance{config.sigma_distance, config.sigma_angle, 1.0};
+  weighPatches(noise, patches);
+  gatePatches(noise, tolerance, patches);
+  tolerance.inflation = estimateInflation(patches);
+  gatePatches(noise, tolerance, patches);
+  lap("fits");
+
+  PatchClusters clusters = growClusters(patches, noise, tolerance, config.similarity_threshold);
+  lap("clustering");
+  mergeClusters(patches, noise, tolerance, config.similarity_threshold, clusters);
+  lap("merging");
+
+  LabelImage labels = config.refine ? refineLabels(grid, patches, clusters, noise, tolerance)
+                                    : patchLabels(grid, patches, clusters);
+  splitComponents(2 * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols), 2, labels);
+  lap("refinement");
+  return labels;
+}
 
 Segmentation segment(const BeamGrid& grid, const Config& config) {
   std::vector<StageTime> stages;

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "patch_plane_clustering/core/noise_model.h"
+#include "patch_plane_clustering/core/patch_grid.h"
+#include "patch_plane_clustering/core/similarity.h"
+
+#include <vector>
+
+namespace patch_plane_clustering {
+
+/// @brief Patches that lie on one plane.
+struct Cluster {
+  Moments moments;
+  PlaneFit fit;
+  std::vector<int> patches;
+};
+
+/// @brief Clusters of the planar patches of an image.
+struct PatchClusters {
+  std::vector<Cluster> clusters;
+  std::vector<int> cluster_of;  ///< for every patch: index of its cluster, or -1
+};
+
+/// @brief Divides the unit-noise moments of every patch by the variance of a range there. Call once.
+void weighPatches(const NoiseModel& noise, PatchGrid& grid);
+
+/// @brief Marks the patches that are flat within the noise and the tolerance, and fits their planes.
+void gatePatches(const NoiseModel& noise, const CoplanarityTolerance& tolerance, PatchGrid& grid);
+
+/// @brief How much more the planes of neighbouring patches differ than white noise explains: noise that is correlated along a
+/// line, or shared by a whole line, does not average out within a patch. From a low quantile over all pairs. At least 1.
+double estimateInflation(const PatchGrid& grid);
+
+/// @brief Breadth-first clustering: from the flattest patch on, neighbours join a cluster while they are similar to its running
+/// plane; the plane is refitted at each.
+PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
+                           double threshold);
+
+/// @brief Merges touching clusters whose planes are similar, most similar first.
+void mergeClusters(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
+                   PatchClusters& clusters);
+
+}  // namespace patch_plane_clustering

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+
+namespace patch_plane_clustering {
+
+/// @brief Weighted moments of points seen from a sensor near the origin, for plane fits whose residuals run along the beams.
+///
+/// A plane n . p = d is written a . p = 1 with a = n / d. In inverse range it is linear, 1/r = a . (p/r) (Badino et al. 2011),
+/// so with the variance of 1/r, sigma^2 / r^4, least squares minimises  sum w (1 - a . p)^2,  w = (r / sigma)^2.
+/// Its minimum is chi-square distributed with n - 3 degrees of freedom for white range noise. Moments of regions add.
+/// Planes through the origin cannot be represented; the origin must be the (mean) sensor position.
+struct Moments {
+  double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;  ///< sum w p p^T
+  double x = 0, y = 0, z = 0;                             ///< sum w p
+  double w = 0;                                           ///< sum w
+  int n = 0;                                              ///< points
+
+  void add(double px, double py, double pz, double weight) {
+    const double wx = weight * px, wy = weight * py, wz = weight * pz;
+    xx += wx * px;
+    xy += wx * py;
+    xz += wx * pz;
+    yy += wy * py;
+    yz += wy * pz;
+    zz += wz * pz;
+    x += wx;
+    y += wy;
+    z += wz;
+    w += weight;
+    ++n;
+  }
+
+  Moments& operator+=(const Moments& o) { return combine(o, 1.0, o.n); }
+  Moments& operator-=(const Moments& o) { return combine(o, -1.0, -o.n); }
+
+  /// Multiplies all weights by a factor.
+  void scale(double factor) {
+    for (double* sum : {&xx, &xy, &xz, &yy, &yz, &zz, &x, &y, &z, &w}) *sum *= factor;
+  }
+
+  /// Weighted mean of the points [m].
+  Eigen::Vector3d mean() const { return Eigen::Vector3d(x, y, z) / std::max(w, 1e-300); }
+
+ private:
+  Moments& combine(const Moments& o, double sign, int count) {
+    xx += sign * o.xx;
+    xy += sign * o.xy;
+    xz += sign * o.xz;
+    yy += sign * o.yy;
+    yz += sign * o.yz;
+    zz += sign * o.zz;
+    x += sign * o.x;
+    y += sign * o.y;
+    z += sign * o.z;
+    w += sign * o.w;
+    n += count;
+    return *this;
+  }
+};
+
+inline Moments operator+(Moments a, const Moments& b) { return a += b; }
+
+/// @brief Least-squares plane of moments: a = n / d in the moments' coordinates, and the chi-square of its residuals.
+struct PlaneFit {
+  Eigen::Vector3d a = Eigen::Vector3d::Zero();  ///< [1/m]; normal towards the sensor is -a / |a|
+  double chi2 = 0.0;
+
+  double distance() const { return 1.0 / a.norm(); }                         ///< of the plane from the sensor [m]
+  Eigen::Vector3d normal() const { return -a.normalized(); }                 ///< towards the sensor
+};
+
+/// @brief Solves the 3 x 3 normal equations by Cholesky's method. Directions that the points do not determine (a line, one
+/// point) get the smallest solution, through a ridge far below the noise of any real patch.
+inline PlaneFit fitPlane(const Moments& m) {
+  const double ridge = 1e-10 * (m.xx + m.yy + m.zz) + 1e-300;
+  const double l00 = std::sqrt(m.xx + ridge);
+  const double l10 = m.xy / l00, l20 = m.xz / l00;
+  const double l11 = std::sqrt(std::max(m.yy + ridge - l10 * l10, ridge));
+  const double l21 = (m.yz - l20 * l10) / l11;
+  const double l22 = std::sqrt(std::max(m.zz + ridge - l20 * l20 - l21 * l21, ridge));
+  const double y0 = m.x / l00;
+  const double y1 = (m.y - l10 * y0) / l11;
+  const double y2 = (m.z - l20 * y0 - l21 * y1) / l22;
+  PlaneFit fit;
+  fit.a.z() = y2 / l22;
+  fit.a.y() = (y1 - l21 * fit.a.z()) / l11;
+  fit.a.x() = (y0 - l10 * fit.a.y() - l20 * fit.a.z()) / l00;
+  fit.chi2 = std::max(0.0, m.w - y0 * y0 - y1 * y1 - y2 * y2);
+  return fit;
+}
+
+/// @brief Chi-square of the points of `m` against a given plane.
+inline double chiSquare(const Moments& m, const Eigen::Vector3d& a) {
+  const double quadratic = a.x() * (a.x() * m.xx + 2.0 * (a.y() * m.xy + a.z() * m.xz)) +
+                           a.y() * (a.y() * m.yy + 2.0 * a.z() * m.yz) + a.z() * a.z() * m.zz;
+  return std::max(0.0, m.w - 2.0 * (a.x() * m.x + a.y() * m.y + a.z() * m.z) + quadratic);
+}
+
+}  // namespace patch_plane_clustering

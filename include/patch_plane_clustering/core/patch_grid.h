@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/moments.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace patch_plane_clustering {
+
+/// @brief A block of pixels of the grid and the plane fitted to it.
+struct Patch {
+  int row_begin = 0, row_end = 0;  ///< rows [begin, end)
+  int col_begin = 0, col_end = 0;  ///< columns [begin, end)
+  Moments moments;                 ///< of the valid points, about the sensor centre
+  PlaneFit fit;                    ///< least-squares plane of the moments
+  double range = 0.0;              ///< mean range of the valid points [m]
+  bool planar = false;             ///< passed the gate: enough points, residuals as small as the noise allows
+};
+
+/// @brief Mutually exclusive patches that cover the image: strips of k columns, each cut into blocks of rows.
+///
+/// The blocks of a strip are as high as its columns are wide *in angle* (times `aspect`), whatever the ratio of tilt and beam
+/// steps. So patches have about equal solid angle also towards the pole of a nodding scan, where the lines crowd together.
+/// Incomplete patches at the right and bottom edges are kept.
+struct PatchGrid {
+  int rows = 0, cols = 0;          ///< of the image
+  int strip_cols = 0;              ///< k
+  std::vector<int> strip_rows;     ///< rows of a patch in each strip
+  std::vector<int> strip_begin;    ///< index of each strip's first patch, and one past the last
+  std::vector<Patch> patches;      ///< strip by strip, in ascending rows
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< mean sensor position: origin of all moments [m]
+
+  int strips() const { return static_cast<int>(strip_rows.size()); }
+  int patchAt(int row, int col) const {
+    const int strip = col / strip_cols;
+    return strip_begin[strip] + row / strip_rows[strip];
+  }
+  /// Calls f(index) for the patches that share an edge with patch `index` of strip `strip`.
+  template <typename F>
+  void forEachNeighbour(int index, F&& f) const;
+};
+
+/// @brief Cuts the grid into patches and sums their moments with unit noise: w = r^2.
+/// @param equal_angle false: square k x k patches, as in the paper.
+PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle);
+
+template <typename F>
+void PatchGrid::forEachNeighbour(int index, F&& f) const {
+  const Patch& patch = patches[index];
+  const int strip = patch.col_begin / strip_cols;
+  if (index > strip_begin[strip]) f(index - 1);
+  if (index + 1 < strip_begin[strip + 1]) f(index + 1);
+  for (const int side : {strip - 1, strip + 1}) {
+    if (side < 0 || side >= strips()) continue;
+    const int first = strip_begin[side] + patch.row_begin / strip_rows[side];
+    const int last = strip_begin[side] + (patch.row_end - 1) / strip_rows[side];
+    for (int i = first; i <= last; ++i) f(i);
+  }
+}
+
+}  // namespace patch_plane_clustering

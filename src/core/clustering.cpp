@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/clustering.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+#include <utility>
+
+namespace patch_plane_clustering {
+namespace {
+
+constexpr int kMinPatchPoints = 6;
+
+// Radius of a patch on its surface [m].
+double patchRadius(const Patch& patch) {
+  const Moments& m = patch.moments;
+  const Eigen::Vector3d mean = m.mean();
+  const double spread = (m.xx + m.yy + m.zz) / m.w - mean.squaredNorm();
+  return std::sqrt(std::max(0.0, spread));
+}
+
+double excess(const Moments& a, const PlaneFit& fit_a, const Moments& b, const PlaneFit& fit_b) {
+  return fitPlane(a + b).chi2 - fit_a.chi2 - fit_b.chi2;
+}
+
+}  // namespace
+
+void weighPatches(const NoiseModel& noise, PatchGrid& grid) {
+  for (Patch& patch : grid.patches) {
+    const double sigma = noise.sigma(patch.range);
+    patch.moments.scale(1.0 / (sigma * sigma));
+  }
+}
+
+void gatePatches(const NoiseModel& noise, const CoplanarityTolerance& tolerance, PatchGrid& grid) {
+  for (Patch& patch : grid.patches) {
+    patch.planar = false;
+    const int pixels = (patch.row_end - patch.row_begin) * (patch.col_end - patch.col_begin);
+    if (patch.moments.n < std::max(kMinPatchPoints, pixels / 3)) continue;
+    patch.fit = fitPlane(patch.moments);
+    const double sigma = noise.sigma(patch.range);
+    const double dof = patch.moments.n - 3;
+    const double sec2 = secantSquared(patch.fit.a, patch.range);
+    const double slack = tolerance.sigma_distance * tolerance.sigma_distance * sec2 / (sigma * sigma);
+    patch.planar = patch.fit.chi2 < dof * (1.0 + slack) + 3.3 * std::sqrt(2.0 * dof * tolerance.inflation);
+  }
+}
+
+double estimateInflation(const PatchGrid& grid) {
+  std::vector<double> excesses;
+  for (int i = 0; i < static_cast<int>(grid.patches.size()); ++i) {
+    const Patch& patch = grid.patches[i];
+    if (!patch.planar) continue;
+    grid.forEachNeighbour(i, [&](int j) {
+      const Patch& other = grid.patches[j];
+      if (j < i || !other.planar) return;
+      excesses.push_back(excess(patch.moments, patch.fit, other.moments, other.fit));
+    });
+  }
+  if (excesses.size() < 100) return 1.0;
+  constexpr double kChiSquare3Quantile = 1.4237;  // 30 %
+  const auto at = excesses.begin() + static_cast<std::ptrdiff_t>(0.3 * static_cast<double>(excesses.size()));
+  std::nth_element(excesses.begin(), at, excesses.end());
+  return std::clamp(*at / kChiSquare3Quantile, 1.0, 25.0);
+}
+
+PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
+                           double threshold) {
+  const int n = static_cast<int>(grid.patches.size());
+  PatchClusters out;
+  out.cluster_of.assign(n, -1);
+
+  // Seeds: patches whose whole neighbourhood is flat come first; there the first steps are safe.
+  std::vector<double> roughness(n, 1e30);
+  std::vector<int> seeds;
+  for (int i = 0; i < n; ++i) {
+    const Patch& patch = grid.patches[i];
+    if (!patch.planar) continue;
+    Moments around = patch.moments;
+    int missing = 4;
+    grid.forEachNeighbour(i, [&](int j) {
+      if (!grid.patches[j].planar) return;
+      around += grid.patches[j].moments;
+      --missing;
+    });
+    roughness[i] = fitPlane(around).chi2 / std::max(1, around.n - 3) + std::max(0, missing);
+    seeds.push_back(i);
+  }
+  std::stable_sort(seeds.begin(), seeds.end(), [&](int a, int b) { return roughness[a] < roughness[b]; });
+
+  std::vector<int> queue;
+  for (const int seed : seeds) {
+    if (out.cluster_of[seed] >= 0) continue;
+    const int id = static_cast<int>(out.clusters.size());
+    Cluster cluster;
+    cluster.moments = grid.patches[seed].moments;
+    cluster.fit = grid.patches[seed].fit;
+    out.cluster_of[seed] = id;
+    queue.assign(1, seed);
+    for (std::size_t head = 0; head < queue.size(); ++head) {
+      grid.forEachNeighbour(queue[head], [&](int j) {
+        const Patch& patch = grid.patches[j];
+        if (!patch.planar || out.cluster_of[j] >= 0) return;
+        const Moments joint = cluster.moments + patch.moments;
+        const PlaneFit fit = fitPlane(joint);
+        const double sigma = noise.sigma(patch.range);
+        const double precision = std::min(patch.moments.n, cluster.moments.n) / (sigma * sigma);
+        const double s = similarity(fit.chi2 - cluster.fit.chi2 - patch.fit.chi2, precision, patchRadius(patch),
+                                    secantSquared(fit.a, patch.range), tolerance);
+        if (s < threshold) return;
+        cluster.moments = joint;
+        cluster.fit = fit;
+        out.cluster_of[j] = id;
+        queue.push_back(j);
+      });
+    }
+    cluster.patches = queue;
+    out.clusters.push_back(std::move(cluster));
+  }
+  return out;
+}
+
+void mergeClusters(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
+                   PatchClusters& clusters) {
+  const auto pairSimilarity = [&](int a, int b) {
+    const Cluster& small = clusters.clusters[clusters.clusters[a].moments.n < clusters.clusters[b].moments.n ? a : b];
+    const Cluster& large = clusters.clusters[&small == &clusters.clusters[a] ? b : a];
+    const PlaneFit joint = fitPlane(small.moments + large.moments);
+    const Eigen::Vector3d mean = small.moments.mean();
+    const double range = mean.norm();
+    const double sigma = noise.sigma(range);
+    Patch extent;
+    extent.moments = small.moments;
+    return similarity(joint.chi2 - small.fit.chi2 - large.fit.chi2, small.moments.n / (sigma * sigma),
+                      std::min(patchRadius(extent), 0.5), secantSquared(joint.a, range), tolerance);
+  };
+  while (true) {
+    std::set<std::pair<int, int>> touching;
+    for (int i = 0; i < static_cast<int>(grid.patches.size()); ++i) {
+      const int a = clusters.cluster_of[i];
+      if (a < 0) continue;
+      grid.forEachNeighbour(i, [&](int j) {
+        const int b = clusters.cluster_of[j];
+        if (b >= 0 && b != a) touching.emplace(std::min(a, b), std::max(a, b));
+      });
+    }
+    std::vector<std::pair<double, std::pair<int, int>>> candidates;
+    for (const auto& pair : touching) {
+      const double s = pairSimilarity(pair.first, pair.second);
+      if (s >= threshold) candidates.push_back({-s, pair});
+    }
+    if (candidates.empty()) return;
+    std::sort(candidates.begin(), candidates.end());
+    std::vector<bool> changed(clusters.clusters.size(), false);
+    for (const auto& candidate : candidates) {
+      const auto [a, b] = candidate.second;
+      if (changed[a] || changed[b]) continue;
+      changed[a] = changed[b] = true;
+      Cluster& into = clusters.clusters[a];
+      Cluster& from = clusters.clusters[b];
+      into.moments += from.moments;
+      into.fit = fitPlane(into.moments);
+      for (const int i : from.patches) clusters.cluster_of[i] = a;
+      into.patches.insert(into.patches.end(), from.patches.begin(), from.patches.end());
+      from = Cluster();
+    }
+  }
+}
+
+}  // namespace patch_plane_clustering

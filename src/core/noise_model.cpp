@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/noise_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace patch_plane_clustering {
+namespace {
+
+constexpr int kBins = 40;
+constexpr double kFirst = 0.05;       // upper end of the first bin [m]
+constexpr double kGrowth = 1.25;      // of one bin to the next
+constexpr int kMinPoints = 8;         // of a patch
+constexpr int kMinPatches = 30;       // of a bin
+constexpr double kQuantile = 0.35;    // of the patches' variances: flat surfaces, not edges
+constexpr double kMinSigma = 0.0005;  // [m] finer than any time-of-flight laser
+
+double binCenter(int bin) { return kFirst * std::pow(kGrowth, bin - 0.5); }
+
+// Ratio of the 35 % quantile of chi-square / dof to its mean (Wilson and Hilferty 1931).
+double quantileFactor(double dof) {
+  constexpr double kNormalQuantile = -0.385;
+  const double t = 2.0 / (9.0 * dof);
+  const double root = 1.0 - t + kNormalQuantile * std::sqrt(t);
+  return root * root * root;
+}
+
+}  // namespace
+
+int NoiseModel::bin(double range) {
+  if (!(range > kFirst)) return 0;
+  return std::min(kBins - 1, 1 + static_cast<int>(std::log(range / kFirst) / std::log(kGrowth)));
+}
+
+NoiseModel::NoiseModel(const SensorModel& sensor, double scale) : sigma_(kBins) {
+  for (int b = 0; b < kBins; ++b) sigma_[b] = std::max(kMinSigma, scale * sensor.sigma(binCenter(b)));
+}
+
+NoiseModel NoiseModel::estimate(const PatchGrid& patches, const SensorModel& sensor) {
+  NoiseModel model(sensor, 1.0);
+  std::vector<std::vector<double>> variances(kBins);
+  for (const Patch& patch : patches.patches) {
+    if (patch.moments.n < kMinPoints) continue;
+    const double dof = patch.moments.n - 3;
+    variances[bin(patch.range)].push_back(fitPlane(patch.moments).chi2 / dof / quantileFactor(dof));
+  }
+  // Thin bins borrow from their neighbours, nearest first.
+  std::vector<double> pool;
+  for (int b = 0; b < kBins; ++b) {
+    pool = variances[b];
+    for (int reach = 1; reach < kBins && static_cast<int>(pool.size()) < kMinPatches; ++reach) {
+      for (const int other : {b - reach, b + reach}) {
+        if (other >= 0 && other < kBins) pool.insert(pool.end(), variances[other].begin(), variances[other].end());
+      }
+    }
+    if (pool.empty()) continue;
+    const auto at = pool.begin() + static_cast<std::ptrdiff_t>(kQuantile * static_cast<double>(pool.size() - 1));
+    std::nth_element(pool.begin(), at, pool.end());
+    model.sigma_[b] = std::max(kMinSigma, std::sqrt(*at));
+  }
+  return model;
+}
+
+double NoiseModel::sigma(double range) const { return sigma_[bin(range)]; }
+
+}  // namespace patch_plane_clustering

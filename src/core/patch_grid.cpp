@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/patch_grid.h"
+
+#include <cmath>
+
+namespace patch_plane_clustering {
+namespace {
+
+// A patch near the pole may be this many times higher than wide in pixels: beyond, the lines no longer part.
+constexpr int kMaxAspect = 16;
+constexpr double kAspect = 1.3;
+
+double median(std::vector<double>& values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double angleBetween(const BeamGrid& grid, int a, int b) {
+  return (grid.direction(a) - grid.direction(b)).norm();
+}
+
+// Median angle between horizontal neighbours, over a sample of the image.
+double columnStep(const BeamGrid& grid) {
+  std::vector<double> steps;
+  const int stride = std::max(1, grid.rows / 32);
+  for (int r = 0; r < grid.rows; r += stride) {
+    for (int c = 0; c + 1 < grid.cols; c += 7) {
+      const int i = grid.index(r, c);
+      if (grid.beams_exact || (grid.valid(i) && grid.valid(i + 1))) steps.push_back(angleBetween(grid, i, i + 1));
+    }
+  }
+  return median(steps);
+}
+
+// Median angle between vertical neighbours in one column.
+double rowStep(const BeamGrid& grid, int col) {
+  std::vector<double> steps;
+  const int stride = std::max(1, grid.rows / 64);
+  for (int r = 0; r + 1 < grid.rows; r += stride) {
+    const int i = grid.index(r, col);
+    const int below = grid.index(r + 1, col);
+    if (grid.beams_exact || (grid.valid(i) && grid.valid(below))) steps.push_back(angleBetween(grid, i, below));
+  }
+  return median(steps);
+}
+
+Eigen::Vector3d sensorCenter(const BeamGrid& grid) {
+  if (grid.origin_x.empty()) return Eigen::Vector3d::Zero();
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int r = 0; r < grid.rows; ++r) sum += grid.origin(grid.index(r, grid.cols / 2)).cast<double>();
+  return sum / grid.rows;
+}
+
+void sumPatch(const BeamGrid& grid, const Eigen::Vector3d& center, Patch& patch) {
+  double ranges = 0.0;
+  for (int r = patch.row_begin; r < patch.row_end; ++r) {
+    for (int c = patch.col_begin; c < patch.col_end; ++c) {
+      const int i = grid.index(r, c);
+      if (!grid.valid(i)) continue;
+      const Eigen::Vector3d p = grid.point(i).cast<double>() - center;
+      const double range = grid.range[i];
+      patch.moments.add(p.x(), p.y(), p.z(), range * range);
+      ranges += range;
+    }
+  }
+  if (patch.moments.n > 0) patch.range = ranges / patch.moments.n;
+}
+
+}  // namespace
+
+PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle) {
+  PatchGrid out;
+  out.rows = grid.rows;
+  out.cols = grid.cols;
+  out.strip_cols = patch_size;
+  out.center = sensorCenter(grid);
+  const int strips = (grid.cols + patch_size - 1) / patch_size;
+  const double column_step = columnStep(grid);
+  out.strip_begin.push_back(0);
+  for (int s = 0; s < strips; ++s) {
+    int height = patch_size;
+    if (equal_angle) {
+      const double row_step = rowStep(grid, std::min(s * patch_size + patch_size / 2, grid.cols - 1));
+      // Also without any step to go by (one row, no valid pair) the patch stays square.
+      const double ratio = row_step > 0.0 && column_step > 0.0 ? column_step / row_step : 1.0;
+      height = static_cast<int>(std::lround(std::min(kAspect * ratio, double{kMaxAspect}) * patch_size));
+    }
+    out.strip_rows.push_back(std::clamp(height, 2, std::max(2, grid.rows)));
+    for (int r = 0; r < grid.rows; r += out.strip_rows.back()) {
+      Patch patch;
+      patch.row_begin = r;
+      patch.row_end = std::min(r + out.strip_rows.back(), grid.rows);
+      patch.col_begin = s * patch_size;
+      patch.col_end = std::min(patch.col_begin + patch_size, grid.cols);
+      sumPatch(grid, out.center, patch);
+      out.patches.push_back(patch);
+    }
+    out.strip_begin.push_back(static_cast<int>(out.patches.size()));
+  }
+  return out;
+}
+
+}  // namespace patch_plane_clustering

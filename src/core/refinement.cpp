@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/refinement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace patch_plane_clustering {
+namespace {
+
+constexpr float kCap = 9.0F;              // squared residual beyond which a point is an outlier: three sigma
+constexpr float kMaxWindowCost = 5.0F;    // mean capped cost over the window that a plane may have
+constexpr float kMaxOwnResidual = 12.0F;  // squared residual of the point itself
+
+// Squared residual of a pixel against a plane, in units of its variance, and the log of that variance.
+struct Residual {
+  float z2;
+  float log_variance;
+};
+
+class PlaneResiduals {
+ public:
+  PlaneResiduals(const BeamGrid& grid, const Eigen::Vector3d& center, const NoiseModel& noise,
+                 const CoplanarityTolerance& tolerance)
+      : grid_(grid), center_(center.cast<float>()), noise_(noise) {
+    floor_ = static_cast<float>(tolerance.sigma_distance * tolerance.sigma_distance);
+  }
+
+  Residual operator()(int i, const Eigen::Vector3f& a) const {
+    const float r = grid_.range[i];
+    const Eigen::Vector3f u = grid_.direction(i);
+    const float along = a.dot(u);
+    const float model = (1.0F - a.dot(grid_.origin(i) - center_)) / along;
+    if (!(model > 0.0F)) return {std::numeric_limits<float>::infinity(), 0.0F};
+    const auto sigma = static_cast<float>(noise_.sigma(r));
+    const float sec2 = std::min(30.0F, a.squaredNorm() / (along * along));
+    const float extra = floor_ * sec2 / (sigma * sigma);
+    const float e = (r - model) / sigma;
+    return {e * e / (1.0F + extra), std::log(1.0F + extra)};
+  }
+
+ private:
+  const BeamGrid& grid_;
+  Eigen::Vector3f center_;
+  const NoiseModel& noise_;
+  float floor_ = 0.0F;
+};
+
+// Patches within two steps of a patch, itself included, in ascending order.
+void neighbourhood(const PatchGrid& patches, int index, std::vector<int>& out) {
+  out.assign(1, index);
+  for (int step = 0; step < 2; ++step) {
+    const std::size_t end = out.size();
+    for (std::size_t i = 0; i < end; ++i) patches.forEachNeighbour(out[i], [&](int j) { out.push_back(j); });
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+  }
+}
+
+void paint(const BeamGrid& grid, const Patch& patch, std::int32_t label, LabelImage& out) {
+  for (int r = patch.row_begin; r < patch.row_end; ++r) {
+    for (int c = patch.col_begin; c < patch.col_end; ++c) {
+      const int i = grid.index(r, c);
+      if (grid.valid(i)) out.labels[i] = label;
+    }
+  }
+}
+
+LabelImage emptyLabels(const BeamGrid& grid) {
+  return {grid.rows, grid.cols, std::vector<std::int32_t>(static_cast<std::size_t>(grid.size()), 0)};
+}
+
+// Resolves the points of one patch among candidate clusters.
+class PatchResolver {
+ public:
+  PatchResolver(const BeamGrid& grid, const PatchGrid& patches, const PatchClusters& clusters, const PlaneResiduals& residuals)
+      : grid_(grid), patches_(patches), clusters_(clusters), residuals_(residuals) {}
+
+  void resolve(const Patch& patch, const std::vector<int>& candidates, LabelImage& out) {
+    const int strip = patch.col_begin / patches_.strip_cols;
+    const int reach_rows = std::max(1, patches_.strip_rows[strip] / patches_.strip_cols);
+    const int top = std::max(0, patch.row_begin - reach_rows), bottom = std::min(grid_.rows, patch.row_end + reach_rows);
+    const int left = std::max(0, patch.col_begin - 1), right = std::min(grid_.cols, patch.col_end + 1);
+    const int width = right - left;
+    const std::size_t size = static_cast<std::size_t>(bottom - top) * width;
+    best_.assign(size, kMaxWindowCost);
+    winner_.assign(size, 0);
+    for (const int candidate : candidates) {
+      const Eigen::Vector3f a = clusters_.clusters[candidate].fit.a.cast<float>();
+      cost_.assign(size, -1.0F);
+      own_.assign(size, 0.0F);
+      for (int r = top; r < bottom; ++r) {
+        for (int c = left; c < right; ++c) {
+          const int i = grid_.index(r, c);
+          if (!grid_.valid(i)) continue;
+          const Residual residual = residuals_(i, a);
+          const std::size_t at = static_cast<std::size_t>(r - top) * width + (c - left);
+          own_[at] = residual.z2;
+          cost_[at] = std::min(residual.z2, kCap) + residual.log_variance;
+        }
+      }
+      for (int r = patch.row_begin; r < patch.row_end; ++r) {
+        for (int c = patch.col_begin; c < patch.col_end; ++c) {
+          const std::size_t at = static_cast<std::size_t>(r - top) * width + (c - left);
+          if (cost_[at] < 0.0F || own_[at] > kMaxOwnResidual) continue;
+          float sum = 0.0F;
+          int n = 0;
+          for (int y = std::max(top, r - reach_rows); y < std::min(bottom, r + reach_rows + 1); ++y) {
+            for (int x = std::max(left, c - 1); x < std::min(right, c + 2); ++x) {
+              const float cost = cost_[static_cast<std::size_t>(y - top) * width + (x - left)];
+              if (cost < 0.0F) continue;
+              sum += cost;
+              ++n;
+            }
+          }
+          const float mean = sum / static_cast<float>(n);
+          if (mean < best_[at]) {
+            best_[at] = mean;
+            winner_[at] = candidate + 1;
+          }
+        }
+      }
+    }
+    for (int r = patch.row_begin; r < patch.row_end; ++r) {
+      for (int c = patch.col_begin; c < patch.col_end; ++c) {
+        out.labels[grid_.index(r, c)] = winner_[static_cast<std::size_t>(r - top) * width + (c - left)];
+      }
+    }
+  }
+
+ private:
+  const BeamGrid& grid_;
+  const PatchGrid& patches_;
+  const PatchClusters& clusters_;
+  const PlaneResiduals& residuals_;
+  std::vector<float> cost_, own_, best_;
+  std::vector<std::int32_t> winner_;
+};
+
+}  // namespace
+
+LabelImage patchLabels(const BeamGrid& grid, const PatchGrid& patches, const PatchClusters& clusters) {
+  LabelImage out = emptyLabels(grid);
+  for (std::size_t p = 0; p < patches.patches.size(); ++p) {
+    if (clusters.cluster_of[p] >= 0) paint(grid, patches.patches[p], clusters.cluster_of[p] + 1, out);
+  }
+  return out;
+}
+
+LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& patches, const PatchClusters& clusters, const NoiseModel& noise,
+                        const CoplanarityTolerance& tolerance) {
+  LabelImage out = emptyLabels(grid);
+  const PlaneResiduals residuals(grid, patches.center, noise, tolerance);
+  PatchResolver resolver(grid, patches, clusters, residuals);
+  std::vector<int> around, candidates;
+  for (int p = 0; p < static_cast<int>(patches.patches.size()); ++p) {
+    const Patch& patch = patches.patches[p];
+    if (patch.moments.n == 0) continue;
+    const int own = clusters.cluster_of[p];
+    bool inside = own >= 0;
+    patches.forEachNeighbour(p, [&](int j) { inside = inside && clusters.cluster_of[j] == own; });
+    if (inside) {
+      const Eigen::Vector3f a = clusters.clusters[own].fit.a.cast<float>();
+      for (int r = patch.row_begin; r < patch.row_end; ++r) {
+        for (int c = patch.col_begin; c < patch.col_end; ++c) {
+          const int i = grid.index(r, c);
+          if (grid.valid(i) && residuals(i, a).z2 <= kMaxOwnResidual) out.labels[i] = own + 1;
+        }
+      }
+      continue;
+    }
+    neighbourhood(patches, p, around);
+    candidates.clear();
+    for (const int j : around) {
+      if (clusters.cluster_of[j] >= 0) candidates.push_back(clusters.cluster_of[j]);
+    }
+    std::sort(candidates.begin(), candidates.end());
+    candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
+    if (!candidates.empty()) resolver.resolve(patch, candidates, out);
+  }
+  return out;
+}
+
+void splitComponents(int gap_rows, int gap_cols, LabelImage& labels) {
+  const int n = labels.rows * labels.cols;
+  std::vector<int> parent(static_cast<std::size_t>(n));
+  for (int i = 0; i < n; ++i) parent[i] = i;
+  const auto find = [&](int i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  const auto join = [&](int i, int j) {
+    if (labels.labels[i] != labels.labels[j]) return;
+    const int a = find(i), b = find(j);
+    parent[std::max(a, b)] = std::min(a, b);
+  };
+  for (int r = 0; r < labels.rows; ++r) {
+    for (int c = 0; c < labels.cols; ++c) {
+      const int i = r * labels.cols + c;
+      if (labels.labels[i] == 0) continue;
+      for (int g = 1; g <= gap_cols + 1 && c + g < labels.cols; ++g) join(i, i + g);
+      for (int g = 1; g <= gap_rows + 1 && r + g < labels.rows; ++g) join(i, i + g * labels.cols);
+    }
+  }
+  std::vector<std::int32_t> renamed(static_cast<std::size_t>(n), 0);
+  std::int32_t next = 0;
+  for (int i = 0; i < n; ++i) {
+    if (labels.labels[i] == 0) continue;
+    const int root = find(i);
+    if (renamed[root] == 0) renamed[root] = ++next;
+    labels.labels[i] = renamed[root];
+  }
+}
+
+}  // namespace patch_plane_clustering
