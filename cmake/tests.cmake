@@ -11,4 +11,13 @@ if(CATKIN_ENABLE_TESTING)
     endforeach()
   endforeach()
   include(cmake/ros_tests.cmake OPTIONAL)
+
+  # Tests that start ROS processes have the machine to themselves, so that none starves another.
+  get_property(all_tests DIRECTORY PROPERTY TESTS)
+  foreach(test IN LISTS all_tests)
+    set_tests_properties(${test} PROPERTIES TIMEOUT 600)
+    if(test MATCHES "_rostest_")
+      set_tests_properties(${test} PROPERTIES RUN_SERIAL TRUE)
+    endif()
+  endforeach()
 endif()
