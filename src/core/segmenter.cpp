@@ -2,6 +2,7 @@
 #include "patch_plane_clustering/core/segmenter.h"
 
 #include "patch_plane_clustering/core/clustering.h"
+#include "patch_plane_clustering/core/curvature.h"
 #include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/patch_grid.h"
 #include "patch_plane_clustering/core/refinement.h"
@@ -55,6 +56,8 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vecto
                                     : patchLabels(grid, patches, clusters);
   splitComponents(2 * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols), 2, labels);
   lap("refinement");
+  dropCurvedRegions(grid, noise, tolerance, config.max_turn, labels);
+  lap("curvature");
   return labels;
 }
 

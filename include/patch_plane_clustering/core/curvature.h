@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/noise_model.h"
+#include "patch_plane_clustering/core/segmentation.h"
+#include "patch_plane_clustering/core/similarity.h"
+
+#include <vector>
+
+namespace patch_plane_clustering {
+
+/// @brief How a region bends: the quadratic surface z = c0 + c1 s + c2 t + c3 s^2 + c4 s t + c5 t^2 over its own plane.
+struct Bend {
+  double turn = 0.0;    ///< angle between the normals at its two ends, along the direction of strongest curvature [rad]
+  double excess = 0.0;  ///< chi-square of the plane less that of the quadratic surface (3 degrees of freedom)
+  double amplitude = 0.0;  ///< root mean square of the quadratic part [m]
+};
+
+/// @brief Bends of the regions of a label image; index = label (0 unused). From at most a few thousand points a region.
+std::vector<Bend> measureBends(const BeamGrid& grid, const LabelImage& labels, const NoiseModel& noise);
+
+/// @brief Clears regions that are pieces of curved surfaces: strips of a cylinder, caps of a sphere.
+///
+/// A region is curved if its normal turns by more than `max_turn` from end to end *and* the bend is beyond noise and
+/// tolerance. The turn tells a cylinder (a strip as thick as the noise still turns by tenths of a radian) from a real wall,
+/// which may bow by a centimetre over several metres.
+void dropCurvedRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double max_turn,
+                       LabelImage& labels);
+
+}  // namespace patch_plane_clustering
