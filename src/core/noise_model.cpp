@@ -17,6 +17,11 @@ constexpr double kMinSigma = 0.0005;  // [m] finer than any time-of-flight laser
 
 double binCenter(int bin) { return kFirst * std::pow(kGrowth, bin - 0.5); }
 
+int binOf(double range) {
+  if (!(range > kFirst)) return 0;
+  return std::min(kBins - 1, 1 + static_cast<int>(std::log(range / kFirst) / std::log(kGrowth)));
+}
+
 // Ratio of the 35 % quantile of chi-square / dof to its mean (Wilson and Hilferty 1931).
 double quantileFactor(double dof) {
   constexpr double kNormalQuantile = -0.385;
@@ -27,22 +32,22 @@ double quantileFactor(double dof) {
 
 }  // namespace
 
-int NoiseModel::bin(double range) {
-  if (!(range > kFirst)) return 0;
-  return std::min(kBins - 1, 1 + static_cast<int>(std::log(range / kFirst) / std::log(kGrowth)));
+NoiseModel::NoiseModel(const std::vector<double>& sigma_of_bin) : table_(kCells) {
+  for (int i = 0; i < kCells; ++i) table_[i] = sigma_of_bin[binOf((i + 0.5) / kCellsPerMetre)];
 }
 
-NoiseModel::NoiseModel(const SensorModel& sensor, double scale) : sigma_(kBins) {
-  for (int b = 0; b < kBins; ++b) sigma_[b] = std::max(kMinSigma, scale * sensor.sigma(binCenter(b)));
+NoiseModel::NoiseModel(const SensorModel& sensor, double scale) : table_(kCells) {
+  for (int i = 0; i < kCells; ++i) table_[i] = std::max(kMinSigma, scale * sensor.sigma((i + 0.5) / kCellsPerMetre));
 }
 
 NoiseModel NoiseModel::estimate(const PatchGrid& patches, const SensorModel& sensor) {
-  NoiseModel model(sensor, 1.0);
+  std::vector<double> sigma(kBins);
+  for (int b = 0; b < kBins; ++b) sigma[b] = sensor.sigma(binCenter(b));
   std::vector<std::vector<double>> variances(kBins);
   for (const Patch& patch : patches.patches) {
     if (patch.moments.n < kMinPoints) continue;
     const double dof = patch.moments.n - 3;
-    variances[bin(patch.range)].push_back(fitPlane(patch.moments).chi2 / dof / quantileFactor(dof));
+    variances[binOf(patch.range)].push_back(fitPlane(patch.moments).chi2 / dof / quantileFactor(dof));
   }
   // Thin bins borrow from their neighbours, nearest first.
   std::vector<double> pool;
@@ -56,11 +61,9 @@ NoiseModel NoiseModel::estimate(const PatchGrid& patches, const SensorModel& sen
     if (pool.empty()) continue;
     const auto at = pool.begin() + static_cast<std::ptrdiff_t>(kQuantile * static_cast<double>(pool.size() - 1));
     std::nth_element(pool.begin(), at, pool.end());
-    model.sigma_[b] = std::max(kMinSigma, std::sqrt(*at));
+    sigma[b] = std::max(kMinSigma, std::sqrt(*at));
   }
-  return model;
+  return NoiseModel(sigma);
 }
-
-double NoiseModel::sigma(double range) const { return sigma_[bin(range)]; }
 
 }  // namespace patch_plane_clustering

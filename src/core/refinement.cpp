@@ -182,31 +182,59 @@ LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& patches, const Pa
 }
 
 void splitComponents(int gap_rows, int gap_cols, LabelImage& labels) {
-  const int n = labels.rows * labels.cols;
-  std::vector<int> parent(static_cast<std::size_t>(n));
-  for (int i = 0; i < n; ++i) parent[i] = i;
-  const auto find = [&](int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
+  // Runs of equal labels along the rows, gaps bridged; runs of nearby rows that overlap belong together.
+  struct Run {
+    int begin, end, parent;
+    std::int32_t label;
   };
-  const auto join = [&](int i, int j) {
-    if (labels.labels[i] != labels.labels[j]) return;
-    const int a = find(i), b = find(j);
-    parent[std::max(a, b)] = std::min(a, b);
-  };
+  std::vector<Run> runs;
+  std::vector<int> row_begin(static_cast<std::size_t>(labels.rows) + 1, 0);
+  std::vector<int> run_of(labels.labels.size(), -1);
   for (int r = 0; r < labels.rows; ++r) {
+    row_begin[r] = static_cast<int>(runs.size());
     for (int c = 0; c < labels.cols; ++c) {
-      const int i = r * labels.cols + c;
-      if (labels.labels[i] == 0) continue;
-      for (int g = 1; g <= gap_cols + 1 && c + g < labels.cols; ++g) join(i, i + g);
-      for (int g = 1; g <= gap_rows + 1 && r + g < labels.rows; ++g) join(i, i + g * labels.cols);
+      const std::size_t i = static_cast<std::size_t>(r) * labels.cols + c;
+      const std::int32_t label = labels.labels[i];
+      if (label == 0) continue;
+      int run = -1;
+      for (int k = static_cast<int>(runs.size()) - 1; k >= row_begin[r] && runs[k].end + gap_cols >= c; --k) {
+        if (runs[k].label == label) {
+          run = k;
+          break;
+        }
+      }
+      if (run < 0) {
+        run = static_cast<int>(runs.size());
+        runs.push_back({c, c, run, label});
+      }
+      runs[run].end = c + 1;
+      run_of[i] = run;
     }
   }
-  std::vector<std::int32_t> renamed(static_cast<std::size_t>(n), 0);
+  row_begin[labels.rows] = static_cast<int>(runs.size());
+  const auto find = [&](int i) {
+    while (runs[i].parent != i) i = runs[i].parent = runs[runs[i].parent].parent;
+    return i;
+  };
+  for (int r = 1; r < labels.rows; ++r) {
+    for (int back = 1; back <= std::min(r, gap_rows + 1); ++back) {
+      int above = row_begin[r - back];
+      const int above_end = row_begin[r - back + 1];
+      for (int k = row_begin[r]; k < row_begin[r + 1]; ++k) {
+        for (int j = above; j < above_end; ++j) {
+          if (runs[j].label != runs[k].label || runs[j].begin >= runs[k].end || runs[k].begin >= runs[j].end) continue;
+          const int a = find(j), b = find(k);
+          runs[std::max(a, b)].parent = std::min(a, b);
+        }
+        while (above < above_end && runs[above].end <= runs[k].begin) ++above;
+      }
+    }
+  }
+  std::vector<std::int32_t> renamed(runs.size(), 0);
   std::int32_t next = 0;
-  for (int i = 0; i < n; ++i) {
-    if (labels.labels[i] == 0) continue;
-    const int root = find(i);
+  for (std::size_t i = 0; i < run_of.size(); ++i) {
+    if (run_of[i] < 0) continue;
+    const int root = find(run_of[i]);
     if (renamed[root] == 0) renamed[root] = ++next;
     labels.labels[i] = renamed[root];
   }

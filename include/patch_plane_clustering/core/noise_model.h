@@ -4,6 +4,8 @@
 #include "patch_plane_clustering/core/patch_grid.h"
 #include "patch_plane_clustering/core/sensor_model.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <vector>
 
 namespace patch_plane_clustering {
@@ -20,11 +22,16 @@ class NoiseModel {
   static NoiseModel estimate(const PatchGrid& patches, const SensorModel& sensor);
 
   /// One standard deviation [m] at a range [m].
-  double sigma(double range) const;
+  double sigma(double range) const {
+    return table_[static_cast<std::size_t>(std::min(std::max(range * kCellsPerMetre, 0.0), kCells - 1.0))];
+  }
 
  private:
-  static int bin(double range);
-  std::vector<double> sigma_;  // by range bin
+  explicit NoiseModel(const std::vector<double>& sigma_of_bin);
+
+  static constexpr double kCellsPerMetre = 32.0;
+  static constexpr int kCells = 4096;
+  std::vector<double> table_;  // looked up once or more a point: no logarithm there
 };
 
 }  // namespace patch_plane_clustering
