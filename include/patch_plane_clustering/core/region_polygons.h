@@ -10,15 +10,20 @@ namespace patch_plane_clustering {
 
 struct PolygonOptions {
   double simplification_tolerance = 0.02;  ///< largest distance between the outline and its simplification [m]; 0 = keep all
-  int min_hole_size = 20;                  ///< holes of fewer pixels than this are filled
+  double pixel_tolerance =
+      1.0;                 ///< the same in pixels, across the edge; the larger of the two applies. Removes the staircase
+                           ///< of the pixels, which is no edge of the scene; 0 = the tolerance in metres alone
+  int min_hole_size = 20;  ///< holes of fewer pixels than this are filled, detached specks of fewer left out
 };
 
 /// @brief Outlines of the labelled regions as polygons with holes on their planes.
 ///
 /// The outline runs along pixel corners (through centres it would lose half a pixel a side); the beam through each corner is
-/// cut with the plane, so edges carry no range noise. Every polygon returned is simple, its holes lie inside, do not overlap,
-/// and the number of vertices is reduced within the tolerance. A region that no simple ring can bound (it reaches round the
-/// pole of the scan, or touches itself) comes as several polygons of the same id.
+/// cut with the plane, so edges carry no range noise. Every polygon returned is simple, its holes lie inside, do not
+/// overlap, and the number of vertices is reduced within the tolerance. A region in several 4-connected parts, or one that
+/// no simple ring can bound (it reaches round the pole of the scan), comes as several polygons of the same id. Parts that
+/// collapse to nothing are left out. All coordinates are finite and on the plane, whatever the beams. Deterministic,
+/// thread-safe.
 /// @param regions as made by describeRegions() from the same labels.
 /// @return polygons in ascending id, larger pieces first.
 std::vector<PlanarPolygon> extractPolygons(const BeamGrid& grid, const LabelImage& labels,

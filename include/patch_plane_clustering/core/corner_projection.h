@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/contours.h"
+#include "patch_plane_clustering/core/segmentation.h"
+
+#include <Eigen/Core>
+
+namespace patch_plane_clustering {
+
+/// @brief A corner of an outline on its plane, in the plane's own coordinates [m].
+struct OutlinePoint {
+  Eigen::Vector2d point = Eigen::Vector2d::Zero();
+  Eigen::Vector2d row_step = Eigen::Vector2d::Zero();  ///< how far the point moves from one row to the next: the sides of
+  Eigen::Vector2d col_step = Eigen::Vector2d::Zero();  ///< the pixel's footprint
+};
+
+/// @brief Casts the pixel corners of one region onto its plane.
+///
+/// The beam through a corner is interpolated from the four pixels around it (origin and direction), and continued by half a
+/// step at the border of the image. Near-parallel beams cannot shoot off to infinity: the range of a corner stays within
+/// a quarter of the ranges measured by the region's own pixels around it.
+class CornerProjection {
+ public:
+  /// The arguments must outlive the object. All sizes agree.
+  CornerProjection(const BeamGrid& grid, const LabelImage& labels, const PlanarRegion& region);
+
+  /// Not thread-safe: where no own pixel around the corner has a measurement, the limits of the corner before apply.
+  OutlinePoint project(const PixelCorner& corner);
+
+  /// +1 or -1: handedness of the image on the plane around a corner; it flips where the scan lines cross (the pole). 0:
+  /// neither.
+  int handedness(int row, int col);
+
+  /// The point of the frame that plane coordinates stand for [m].
+  Eigen::Vector3d lift(const Eigen::Vector2d& p) const { return centre_ + p.x() * axis_x_ + p.y() * axis_y_; }
+
+ private:
+  struct Cut {
+    Eigen::Vector3d origin, direction;       // of the corner's beam; the direction is not normalised
+    Eigen::Vector3d row_change, col_change;  // of the point, as long as the range stays the same
+    double range = 0.0;                      // in units of the direction's length
+    double incidence = 0.0;                  // normal . direction
+    bool clamped = false;
+  };
+  Cut cut(double row, double col);
+
+  const BeamGrid& grid_;
+  const LabelImage& labels_;
+  const PlanarRegion& region_;
+  Eigen::Vector3d centre_, axis_x_, axis_y_;
+  double shortest_, longest_;  // range measured around the last corner [m]
+};
+
+}  // namespace patch_plane_clustering

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <utility>
+#include <vector>
+
+namespace patch_plane_clustering {
+
+/// Edges of rings that do not share a vertex keep at least this distance [m]: rings stay simple when they are rounded to the
+/// single precision of geometry_msgs/Point32.
+constexpr double kRingClearance = 1e-5;
+
+/// @brief An edge of one of several rings, from vertex `edge` to the next.
+struct RingEdge {
+  std::size_t ring = 0;
+  std::size_t edge = 0;
+};
+
+/// @brief All edges that cross, touch or nearly touch (kRingClearance) another edge of the same or another ring, double back
+/// on the edge next to them, or are shorter than the clearance.
+/// @return in ascending order of ring and edge, unique; empty if the rings are simple and apart. Sweeps over x: O(n log n)
+/// for outlines whose edges are short compared with the whole.
+std::vector<RingEdge> findCrossings(const std::vector<std::vector<Eigen::Vector2d>>& rings);
+
+/// @brief True if `p` lies inside a simple ring of either orientation.
+bool isInside(const Eigen::Vector2d& p, const std::vector<Eigen::Vector2d>& ring);
+
+}  // namespace patch_plane_clustering

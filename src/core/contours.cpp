@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/contours.h"
+
+namespace patch_plane_clustering {
+namespace {
+
+// Directions of travel, clockwise: right, down, left, up.
+constexpr int kRowStep[4] = {0, 1, 0, -1};
+constexpr int kColStep[4] = {1, 0, -1, 0};
+constexpr int kDown = 1;
+constexpr int kUp = 3;
+
+class Tracer {
+ public:
+  explicit Tracer(const LabelImage& labels)
+      : labels_(labels), left_(labels.labels.size(), kUnseen), right_seen_(labels.labels.size(), 0) {}
+
+  PixelContours run() {
+    for (int r = 0; r < labels_.rows; ++r) {
+      const std::int32_t* line = labels_.labels.data() + offset(r, 0);
+      int component = 0;
+      for (int c = 0; c < labels_.cols; ++c) {
+        const std::int32_t label = line[c];
+        if (label <= 0) continue;
+        if (c == 0 || line[c - 1] != label) {
+          // The first side met of a new component is the left side of its topmost row: part of the outer ring.
+          if (left_[offset(r, c)] == kUnseen) trace(r + 1, c, kUp, label, result_.components++, false);
+          component = left_[offset(r, c)];
+        }
+        // The first side met of a new hole is the right side of the run before it.
+        if ((c + 1 == labels_.cols || line[c + 1] != label) && right_seen_[offset(r, c)] == 0) {
+          trace(r, c + 1, kDown, label, component, true);
+        }
+      }
+    }
+    return std::move(result_);
+  }
+
+ private:
+  static constexpr int kUnseen = -1;
+
+  std::size_t offset(int r, int c) const { return static_cast<std::size_t>(r) * static_cast<std::size_t>(labels_.cols) + c; }
+
+  bool inside(int r, int c, std::int32_t label) const {
+    return r >= 0 && r < labels_.rows && c >= 0 && c < labels_.cols && labels_.labels[offset(r, c)] == label;
+  }
+
+  void trace(int row, int col, int direction, std::int32_t label, int component, bool hole) {
+    PixelRing ring{label, component, hole, 0, result_.corners.size(), 0};
+    const int first_row = row, first_col = col, first_direction = direction;
+    long long area = 0;
+    do {
+      if (direction == kUp) {
+        left_[offset(row - 1, col)] = component;
+        area -= col;
+      } else if (direction == kDown) {
+        right_seen_[offset(row, col - 1)] = 1;
+        area += col;
+      }
+      row += kRowStep[direction];
+      col += kColStep[direction];
+      // Pixels ahead of the corner, to the left and to the right of the direction of travel.
+      const int right = (direction + 1) & 3;
+      const int ahead_row = row + (kRowStep[direction] + kRowStep[right] - 1) / 2;
+      const int ahead_col = col + (kColStep[direction] + kColStep[right] - 1) / 2;
+      const bool ahead_right = inside(ahead_row, ahead_col, label);
+      const bool ahead_left = inside(ahead_row - kRowStep[right], ahead_col - kColStep[right], label);
+      PixelCorner corner{row, col, 0, 0};
+      if (!ahead_right) {
+        if (ahead_left) {  // diagonal touch: stay with the own pixel, behind and to the right
+          corner.pull_row = static_cast<std::int8_t>(kRowStep[right] - kRowStep[direction]);
+          corner.pull_col = static_cast<std::int8_t>(kColStep[right] - kColStep[direction]);
+        }
+        direction = right;
+      } else if (ahead_left) {
+        direction = (direction + 3) & 3;
+      }
+      result_.corners.push_back(corner);
+    } while (row != first_row || col != first_col || direction != first_direction);
+    ring.end = result_.corners.size();
+    ring.pixels = static_cast<int>(hole ? -area : area);
+    result_.rings.push_back(ring);
+  }
+
+  const LabelImage& labels_;
+  std::vector<int> left_;                 // component whose outline runs along the left side of a pixel
+  std::vector<std::uint8_t> right_seen_;  // whether an outline along the right side of a pixel has been followed
+  PixelContours result_;
+};
+
+}  // namespace
+
+PixelContours traceContours(const LabelImage& labels) { return Tracer(labels).run(); }
+
+}  // namespace patch_plane_clustering

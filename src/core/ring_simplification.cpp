@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/ring_simplification.h"
+
+#include "line_sums.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace patch_plane_clustering {
+namespace {
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+template <typename At>
+double ringArea(std::size_t n, const At& at) {
+  if (n < 3) return 0.0;
+  const Eigen::Vector2d origin = at(0);
+  double twice = 0.0;
+  for (std::size_t i = 1; i + 1 < n; ++i) twice += cross(at(i) - origin, at(i + 1) - origin);
+  return 0.5 * twice;
+}
+
+}  // namespace
+
+double signedArea(const OutlinePoint* points, std::size_t size) {
+  return ringArea(size, [&](std::size_t i) -> const Eigen::Vector2d& { return points[i].point; });
+}
+
+double signedArea(const std::vector<Eigen::Vector2d>& ring) {
+  return ringArea(ring.size(), [&](std::size_t i) -> const Eigen::Vector2d& { return ring[i]; });
+}
+
+SimplifiedRing::SimplifiedRing(const OutlinePoint* points, std::size_t size, const OutlineTolerance& tolerance)
+    : points_(points), n_(size), tolerance_(tolerance) {
+  if (tolerance.none()) {
+    vertices_.resize(n_);
+    for (std::size_t i = 0; i < n_; ++i) vertices_[i] = {i, points_[i].point, false};
+    return;
+  }
+  chooseCorners();
+  moveOntoLines();
+}
+
+std::vector<Eigen::Vector2d> SimplifiedRing::positions() const {
+  std::vector<Eigen::Vector2d> ring(size());
+  for (std::size_t i = 0; i < ring.size(); ++i) ring[i] = vertices_[i].position;
+  return ring;
+}
+
+double SimplifiedRing::area() const {
+  return ringArea(size(), [&](std::size_t i) -> const Eigen::Vector2d& { return vertices_[i].position; });
+}
+
+// Square of the distance of a corner from a segment over that of its tolerance there; above 1: too far.
+double SimplifiedRing::excess(std::size_t corner, const Eigen::Vector2d& from, const Eigen::Vector2d& to) const {
+  const OutlinePoint& q = points_[corner];
+  const Eigen::Vector2d edge = to - from;
+  const Eigen::Vector2d offset = q.point - from;
+  const double length2 = edge.squaredNorm();
+  const double along = length2 > 0.0 ? std::clamp(offset.dot(edge) / length2, 0.0, 1.0) : 0.0;
+  const Eigen::Vector2d away = offset - along * edge;
+  const double distance2 = away.squaredNorm();
+  const double metres2 = tolerance_.metres * tolerance_.metres;
+  if (distance2 <= metres2) return metres2 > 0.0 ? distance2 / metres2 : 0.0;
+  // The footprint's extent in the direction of the offset, times the distance.
+  const double extent = tolerance_.pixels * (std::abs(away.dot(q.row_step)) + std::abs(away.dot(q.col_step)));
+  return distance2 / std::max(metres2, extent * extent / distance2);
+}
+
+std::pair<std::size_t, double> SimplifiedRing::farthest(std::size_t first, std::size_t last, const Eigen::Vector2d& from,
+                                                        const Eigen::Vector2d& to) const {
+  std::pair<std::size_t, double> worst{first, -1.0};
+  for (std::size_t k = first + 1; k < last; ++k) {
+    const double e = excess(k < n_ ? k : k - n_, from, to);
+    if (e > worst.second) worst = {k, e};
+  }
+  return worst;
+}
+
+std::pair<std::size_t, double> SimplifiedRing::farthest(std::size_t edge) const {
+  const Vertex& a = vertices_[edge];
+  const Vertex& b = vertices_[next(edge)];
+  return farthest(a.corner, b.corner > a.corner ? b.corner : b.corner + n_, a.position, b.position);
+}
+
+void SimplifiedRing::chooseCorners() {
+  // A corner that is surely one of the outline's: the farthest from the middle; and the one farthest from it.
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (std::size_t i = 0; i < n_; ++i) middle += points_[i].point;
+  middle /= static_cast<double>(n_);
+  const auto farthestFrom = [&](const Eigen::Vector2d& p) {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < n_; ++i) {
+      if ((points_[i].point - p).squaredNorm() > (points_[best].point - p).squaredNorm()) best = i;
+    }
+    return best;
+  };
+  const std::size_t start = farthestFrom(middle);
+  const std::size_t opposite = farthestFrom(points_[start].point);
+  std::vector<bool> chosen(n_, false);
+  chosen[start] = chosen[opposite] = true;
+  const auto [low, high] = std::minmax(start, opposite);
+  std::vector<std::pair<std::size_t, std::size_t>> open{{low, high}, {high, low + n_}};
+  while (!open.empty()) {
+    const auto [first, last] = open.back();
+    open.pop_back();
+    if (last - first < 2) continue;
+    const auto [k, worst] = farthest(first, last, points_[first % n_].point, points_[last % n_].point);
+    if (!(worst > 1.0)) continue;
+    chosen[k % n_] = true;
+    open.emplace_back(first, k);
+    open.emplace_back(k, last);
+  }
+  for (std::size_t i = 0; i < n_; ++i) {
+    if (chosen[i]) vertices_.push_back({i, points_[i].point, false});
+  }
+}
+
+void SimplifiedRing::putBack(Vertex& vertex) const {
+  vertex.position = points_[vertex.corner].point;
+  vertex.moved = false;
+}
+
+void SimplifiedRing::moveOntoLines() {
+  const std::size_t m = vertices_.size();
+  if (m < 3) return;
+  const LineSums sums(points_, n_);
+  std::vector<Line> lines(m);
+  for (std::size_t i = 0; i < m; ++i) lines[i] = sums.fit(vertices_[i].corner, vertices_[next(i)].corner);
+  for (std::size_t i = 0; i < m; ++i) {
+    Vertex& v = vertices_[i];
+    const Eigen::Vector2d target = meet(lines[i == 0 ? m - 1 : i - 1], lines[i], v.position);
+    if (!(excess(v.corner, target, target) <= 1.0)) continue;
+    v.position = target;
+    v.moved = true;
+  }
+  // The corners in between were within the tolerance of the old edges: an edge that lost one goes back.
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t i = 0; i < m; ++i) {
+      Vertex& a = vertices_[i];
+      Vertex& b = vertices_[next(i)];
+      if ((!a.moved && !b.moved) || !(farthest(i).second > 1.0)) continue;
+      putBack(a);
+      putBack(b);
+      changed = true;
+    }
+  }
+}
+
+bool SimplifiedRing::refine(const std::vector<std::size_t>& edges) {
+  bool closer = false;
+  std::vector<Vertex> added;
+  for (const std::size_t edge : edges) {
+    Vertex& a = vertices_[edge];
+    Vertex& b = vertices_[next(edge)];
+    if (a.moved || b.moved) {
+      putBack(a);
+      putBack(b);
+      closer = true;
+      continue;
+    }
+    const std::size_t k = farthest(edge).first;
+    if (k != a.corner) added.push_back({k % n_, points_[k % n_].point, false});  // else: two neighbouring corners
+  }
+  if (added.empty()) return closer;
+  vertices_.insert(vertices_.end(), added.begin(), added.end());
+  std::sort(vertices_.begin(), vertices_.end(), [](const Vertex& a, const Vertex& b) { return a.corner < b.corner; });
+  return true;
+}
+
+}  // namespace patch_plane_clustering
