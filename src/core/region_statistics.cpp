@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/region_statistics.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -10,6 +11,8 @@
 namespace patch_plane_clustering {
 namespace {
 
+constexpr double kMinCosine = 0.02;  // of incidence: the residual along a beam says nothing about a plane seen edge-on
+
 struct PointSums {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // first point: sums about it keep their digits far from the sensor
   Eigen::Vector3d beams = Eigen::Vector3d::Zero();
@@ -18,6 +21,7 @@ struct PointSums {
   int n = 0;
 };
 
+// Total least squares: the start of the fit along the beams, and its substitute where that is ill-posed.
 PlanarRegion describe(std::int32_t id, const PointSums& s) {
   PlanarRegion region;
   region.id = id;
@@ -48,6 +52,50 @@ PlanarRegion describe(std::int32_t id, const PointSums& s) {
   return region;
 }
 
+// Normal equations of one Gauss-Newton step for residuals along the beams. The step is three numbers: turns of the normal
+// about the two tangents, and an offset at the centroid.
+struct BeamSums {
+  Eigen::Vector3d tangent1 = Eigen::Vector3d::Zero(), tangent2 = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  double squares = 0.0;  // of the residuals along the beams
+  int n = 0;
+};
+
+void addBeam(const BeamGrid& grid, int i, const PlanarRegion& region, BeamSums& s) {
+  const Eigen::Vector3d u = grid.direction(i).cast<double>();
+  const Eigen::Vector3d o = grid.origin(i).cast<double>();
+  const double cosine = region.plane.normal.dot(u);
+  if (!(cosine < -kMinCosine)) return;
+  const double range = (region.plane.d - region.plane.normal.dot(o)) / cosine;
+  const double residual = grid.range[i] - range;
+  const Eigen::Vector3d q = o + range * u - region.centroid;
+  // n' = n + alpha t1 + beta t2, offset gamma at the centroid: d range = (gamma - alpha t1.q - beta t2.q) / (n.u)
+  const Eigen::Vector3d row = Eigen::Vector3d(-s.tangent1.dot(q), -s.tangent2.dot(q), 1.0) / cosine;
+  s.normal += row * row.transpose();
+  s.right += row * residual;
+  s.squares += residual * residual;
+  ++s.n;
+}
+
+void refineAlongBeams(const BeamSums& s, PlanarRegion& region) {
+  if (s.n < std::max(4, region.points / 2)) return;  // seen edge-on: the beams say little about the plane
+  const Eigen::LDLT<Eigen::Matrix3d> solver(s.normal);
+  if (solver.info() != Eigen::Success || !solver.isPositive() || solver.rcond() < 1e-12) return;
+  const Eigen::Vector3d step = solver.solve(s.right);
+  const Eigen::Vector3d turned = region.plane.normal + step[0] * s.tangent1 + step[1] * s.tangent2;
+  const Eigen::Vector3d normal = turned.normalized();
+  const double offset = region.plane.normal.dot(region.centroid) + step[2];
+  region.plane = {normal, offset + (normal - region.plane.normal).dot(region.centroid)};
+  const double gain = s.right.dot(step);
+  const double variance = std::max(0.0, s.squares - gain) / std::max(1, s.n - 3);
+  Eigen::Matrix<double, 4, 3> jacobian = Eigen::Matrix<double, 4, 3>::Zero();
+  jacobian.block<3, 1>(0, 0) = s.tangent1;
+  jacobian.block<3, 1>(0, 1) = s.tangent2;
+  jacobian.row(3) << s.tangent1.dot(region.centroid), s.tangent2.dot(region.centroid), 1.0;
+  region.covariance = variance * jacobian * solver.solve(Eigen::Matrix3d::Identity()) * jacobian.transpose();
+}
+
 }  // namespace
 
 std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage& labels) {
@@ -69,6 +117,21 @@ std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage
   for (std::int32_t id = 1; id <= highest; ++id) {
     if (sums[id].n >= 3) regions.push_back(describe(id, sums[id]));
   }
+
+  // Noise runs along the beams: the likeliest plane minimises residuals in range, not across the plane.
+  std::vector<int> index(sums.size(), -1);
+  std::vector<BeamSums> beams(regions.size());
+  for (std::size_t k = 0; k < regions.size(); ++k) {
+    index[regions[k].id] = static_cast<int>(k);
+    beams[k].tangent1 = regions[k].plane.normal.unitOrthogonal();
+    beams[k].tangent2 = regions[k].plane.normal.cross(beams[k].tangent1);
+  }
+  for (int i = 0; i < grid.size(); ++i) {
+    const std::int32_t label = labels.labels[i];
+    if (label <= 0 || index[label] < 0 || !grid.valid(i)) continue;
+    addBeam(grid, i, regions[index[label]], beams[index[label]]);
+  }
+  for (std::size_t k = 0; k < regions.size(); ++k) refineAlongBeams(beams[k], regions[k]);
   return regions;
 }
 
