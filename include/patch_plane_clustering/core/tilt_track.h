@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+namespace patch_plane_clustering {
+
+struct TiltTrackOptions {
+  double max_gap = 0.5;         ///< never interpolate between samples further apart than this [s]
+  double max_speed = 30.0;      ///< a sample that asks for a faster motor is suspect [rad/s]
+  std::size_t capacity = 8192;  ///< samples kept; the oldest are forgotten
+};
+
+/// @brief Angle of the tilt joint over time, from its samples.
+///
+/// Angles are unwrapped across +-pi. A sample that jumps in time (either way) or asks for an impossible speed is suspect: it
+/// is used only once two more samples continue it, so that one corrupt sample moves no row. A confirmed jump back in time is
+/// a clock reset and clears the track; after any other confirmed jump, lookup() does not interpolate across it. Not
+/// thread-safe.
+class TiltTrack {
+ public:
+  enum class Status {
+    kReady,   ///< interpolated between two bracketing samples
+    kTooNew,  ///< later than the newest sample: it may come
+    kTooOld,  ///< earlier than the oldest sample
+    kGap      ///< the bracketing samples are too far apart, or a jump lies between them
+  };
+  struct Counts {
+    std::uint64_t accepted = 0;
+    std::uint64_t not_finite = 0;    ///< NaN or infinite stamp or angle
+    std::uint64_t not_newer = 0;     ///< stamp equal to or before the newest one
+    std::uint64_t implausible = 0;   ///< suspect samples that nothing confirmed
+    std::uint64_t clock_resets = 0;  ///< confirmed jumps back in time
+  };
+
+  explicit TiltTrack(const TiltTrackOptions& options = {});
+
+  /// @param stamp [s] @param angle [rad], wrapped or not. Bad samples are counted and ignored.
+  void add(double stamp, double angle);
+
+  /// @brief Angle at `stamp` by linear interpolation, never extrapolation; `angle` [rad, unwrapped] is set only for kReady.
+  Status lookup(double stamp, double& angle) const;
+
+  bool empty() const { return samples_.empty(); }
+  double newestStamp() const { return samples_.back().stamp; }  ///< precondition: not empty [s]
+  double newestAngle() const { return samples_.back().angle; }  ///< precondition: not empty [rad]
+  const Counts& counts() const { return counts_; }
+
+ private:
+  struct Sample {
+    double stamp;
+    double angle;
+    bool after_jump;  // nothing is interpolated between this sample and the one before
+  };
+  bool follows(const Sample& previous, const Sample& next) const;
+  void append(const Sample& sample, bool after_jump);
+
+  TiltTrackOptions options_;
+  std::deque<Sample> samples_;
+  std::vector<Sample> suspects_;
+  Counts counts_;
+};
+
+}  // namespace patch_plane_clustering

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/sweep_splitter.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace patch_plane_clustering {
+namespace {
+
+// Lengths of the completed sweeps.
+std::vector<std::size_t> split(SweepMotion motion, const std::vector<double>& tilts, double hysteresis = 0.02) {
+  SweepSplitter splitter(motion, hysteresis);
+  std::vector<std::size_t> sweeps;
+  for (const double tilt : tilts) {
+    const std::size_t n = splitter.feed(tilt);
+    if (n > 0) sweeps.push_back(n);
+  }
+  return sweeps;
+}
+
+std::vector<double> triangle(int lines_a_way, double step, int ways) {
+  std::vector<double> tilts{0.0};
+  for (int way = 0; way < ways; ++way) {
+    for (int i = 0; i < lines_a_way; ++i) tilts.push_back(tilts.back() + (way % 2 == 0 ? step : -step));
+  }
+  return tilts;
+}
+
+TEST(SweepSplitter, nodsEndAtTheExtremum) {
+  // 0 .. 1.0 in 101 lines; the way back begins after the extremum.
+  EXPECT_EQ(split(SweepMotion::kNodding, triangle(100, 0.01, 4)), (std::vector<std::size_t>{101, 100, 100}));
+}
+
+TEST(SweepSplitter, startingDownwardsWorksTheSame) {
+  EXPECT_EQ(split(SweepMotion::kNodding, triangle(100, -0.01, 4)), (std::vector<std::size_t>{101, 100, 100}));
+}
+
+TEST(SweepSplitter, encoderNoiseAtTurningPointsMakesNoSweeps) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> noise(0.0, 0.0025);
+  std::vector<double> tilts;
+  for (int i = 0; i < 4000; ++i) tilts.push_back(-0.7 * std::cos(2.0 * M_PI * i / 400.0) + noise(random));
+  const auto sweeps = split(SweepMotion::kNodding, tilts, 0.03);
+  ASSERT_EQ(sweeps.size(), 19U);  // 20 half periods, the last one is open
+  for (const std::size_t n : sweeps) EXPECT_NEAR(static_cast<double>(n), 200.0, 40.0);
+}
+
+TEST(SweepSplitter, aMotionWithinTheHysteresisIsNoTurn) {
+  EXPECT_TRUE(split(SweepMotion::kNodding, triangle(19, 0.001, 50)).empty());
+}
+
+TEST(SweepSplitter, halfTurnsEndAtMultiplesOfPi) {
+  std::vector<double> tilts;
+  for (int i = 0; i < 350; ++i) tilts.push_back(0.005 + 0.01 * M_PI * i);  // 100 lines a half turn
+  EXPECT_EQ(split(SweepMotion::kHalfTurn, tilts), (std::vector<std::size_t>{100, 100, 100}));
+}
+
+TEST(SweepSplitter, fullTurnsEndOppositeToZeroInBothSenses) {
+  std::vector<double> tilts;
+  for (int i = 0; i < 450; ++i) tilts.push_back(0.005 + 0.01 * M_PI * i);  // 200 lines a turn
+  EXPECT_EQ(split(SweepMotion::kFullTurn, tilts), (std::vector<std::size_t>{100, 200}));
+  for (double& tilt : tilts) tilt = -tilt;
+  EXPECT_EQ(split(SweepMotion::kFullTurn, tilts), (std::vector<std::size_t>{100, 200}));
+}
+
+TEST(SweepSplitter, noiseAtTheBorderOfATurnMakesNoSweeps) {
+  const std::vector<double> tilts{2.9, 3.0, 3.1, 3.1445, 3.139, 3.143, 3.138, 3.16, 3.2};
+  EXPECT_EQ(split(SweepMotion::kFullTurn, tilts), (std::vector<std::size_t>{3}));
+}
+
+TEST(SweepSplitter, restartForgetsTheOpenSweep) {
+  SweepSplitter splitter(SweepMotion::kNodding, 0.02);
+  for (int i = 0; i < 50; ++i) EXPECT_EQ(splitter.feed(0.01 * i), 0U);
+  splitter.restart();
+  EXPECT_EQ(splitter.feed(0.0), 0U);  // far below the old extremum, yet no turn
+  EXPECT_EQ(splitter.feed(0.01), 0U);
+}
+
+}  // namespace
+}  // namespace patch_plane_clustering
