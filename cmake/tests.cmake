@@ -12,6 +12,12 @@ if(CATKIN_ENABLE_TESTING)
   endforeach()
   include(cmake/ros_tests.cmake OPTIONAL)
 
+  file(GLOB script_tests CONFIGURE_DEPENDS test/scripts/test_*.py)
+  foreach(script IN LISTS script_tests)
+    get_filename_component(name ${script} NAME_WE)
+    add_test(NAME scripts_${name} COMMAND ${PYTHON_EXECUTABLE} ${script})
+  endforeach()
+
   # Tests that start ROS processes have the machine to themselves, so that none starves another.
   get_property(all_tests DIRECTORY PROPERTY TESTS)
   foreach(test IN LISTS all_tests)

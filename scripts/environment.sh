@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Common ground of the scripts; sourced, not run. Sets `root` (the checkout) and an environment that holds on a bare Debian 12:
 # Debian's own python3 before any other, a UTF-8 locale that is always there, and a host name that resolves.
-# shellcheck shell=bash
+# shellcheck shell=bash disable=SC2034
 
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
@@ -22,7 +22,7 @@ usage() { sed -n '3,/^$/s/^# \{0,1\}//p' "$0"; }
 # Makes the built package known to ROS. catkin's file reads variables that need not be set.
 source_workspace() {
   set +u
-  # shellcheck disable=SC1090
+  # shellcheck disable=SC1090,SC1091
   . "$1/devel/setup.bash"
   set -u
 }

@@ -1,0 +1,167 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Prints one line a sweep about the running nodelets, and draws the newest sweep: the range image beside its planes.
+
+Listens to range_image, labels, polygons and statistics in its own namespace. Ends after --sweeps sweeps, or on
+SIGINT or SIGTERM; exit status 1 if nothing came within --timeout seconds.
+"""
+import argparse
+import collections
+import os
+import signal
+import statistics
+import sys
+import threading
+import time
+import xmlrpc.client
+
+import cv2
+import numpy
+import rosgraph
+import rospy
+from patch_plane_clustering.msg import PlanarPolygonArray, RangeImage, SegmentationStatistics
+from sensor_msgs.msg import Image
+
+
+class Process:
+    """Memory and processor time of a process of this machine, found by the name of a ROS node in it."""
+
+    def __init__(self, node):
+        uri = rosgraph.Master(rospy.get_name()).lookupNode(rospy.resolve_name(node))
+        self.pid = xmlrpc.client.ServerProxy(uri).getPid(rospy.get_name())[2]
+
+    def resident_megabytes(self):
+        with open(f"/proc/{self.pid}/statm") as file:
+            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+    def cpu_seconds(self):
+        with open(f"/proc/{self.pid}/stat") as file:
+            fields = file.read().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def range_picture(image):
+    """Near is bright and far is dark, on a logarithmic scale; no measurement is black. Columns run from left to right."""
+    ranges = numpy.array(image.ranges, dtype=numpy.float32).reshape(image.height, image.width)
+    valid = numpy.isfinite(ranges) & (ranges > 0)
+    picture = numpy.zeros(ranges.shape + (3,), numpy.uint8)
+    if valid.any():
+        low, high = numpy.log(numpy.percentile(ranges[valid], [1, 99]))
+        scaled = 1 - (numpy.log(numpy.where(valid, ranges, 1)) - low) / max(high - low, 1e-6)
+        picture = cv2.applyColorMap((255 * scaled.clip(0, 1)).astype(numpy.uint8), cv2.COLORMAP_VIRIDIS)
+    picture[~valid] = 0
+    return picture[:, ::-1]
+
+
+def label_picture(labels):
+    """A colour an id, far apart for ids that follow each other; no plane is black."""
+    ids = numpy.frombuffer(labels.data, numpy.int32).reshape(labels.height, labels.width)
+    numbers = numpy.arange(ids.max() + 1)
+    hsv = numpy.stack([numbers * 0.618034 % 1 * 180, 150 + numbers * 37 % 100, 255 - numbers * 53 % 90], axis=-1)
+    colours = cv2.cvtColor(hsv.astype(numpy.uint8)[None], cv2.COLOR_HSV2BGR)[0]
+    colours[0] = 0
+    return colours[ids][:, ::-1]
+
+
+def sweep_picture(image, labels, caption):
+    """Both pictures side by side, each row as high as the angle it covers, under a caption."""
+    pictures = [range_picture(image), label_picture(labels)]
+    tilt_span = abs(image.tilts[-1] - image.tilts[0]) if image.height > 1 else 0
+    bearing_span = abs(image.bearing_increment) * max(image.width - 1, 1)
+    width = 900
+    height = max(int(round(width * tilt_span / bearing_span)), 60)
+    pictures = [cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA if i == 0 else cv2.INTER_NEAREST)
+                for i, picture in enumerate(pictures)]
+    gap = numpy.full((height, 12, 3), 255, numpy.uint8)
+    body = numpy.hstack([pictures[0], gap, pictures[1]])
+    head = numpy.full((40, body.shape[1], 3), 255, numpy.uint8)
+    cv2.putText(head, caption, (8, 27), cv2.FONT_HERSHEY_SIMPLEX, 0.6, (0, 0, 0), 1, cv2.LINE_AA)
+    return numpy.vstack([head, body])
+
+
+class Watcher:
+    def __init__(self, options):
+        self.options = options
+        self.lock = threading.Condition()
+        self.pending = collections.OrderedDict()  # stamp -> what has arrived of the sweep
+        self.done = []  # statistics of the sweeps, in order of arrival
+        self.memory = []
+        self.manager = None
+        self.cpu_start = None
+        for topic, kind in (("range_image", RangeImage), ("labels", Image), ("polygons", PlanarPolygonArray),
+                            ("statistics", SegmentationStatistics)):
+            rospy.Subscriber(topic, kind, self.receive, callback_args=topic)
+
+    def receive(self, message, topic):
+        with self.lock:
+            parts = self.pending.setdefault(message.header.stamp, {})
+            parts[topic] = message
+            if len(parts) == 4:
+                self.report(parts)
+                for stamp in [stamp for stamp in self.pending if stamp <= message.header.stamp]:
+                    del self.pending[stamp]
+                self.lock.notify_all()
+
+    def report(self, parts):
+        numbers = parts["statistics"]
+        if self.manager is None:
+            self.manager = Process(self.options.manager)
+        memory = self.manager.resident_megabytes()
+        if self.cpu_start is None:
+            self.cpu_start = self.manager.cpu_seconds()  # from the first sweep's end on
+        self.done.append(numbers)
+        self.memory.append(memory)
+        stages = ", ".join(f"{name} {ms:.1f}" for name, ms in zip(numbers.stage_names, numbers.stage_milliseconds))
+        line = (f"sweep {len(self.done)}: {numbers.height} x {numbers.width} beams, {numbers.regions} planes, "
+                f"{numbers.polygons} polygons, {numbers.planar_points} points -> {numbers.vertices} vertices "
+                f"(compression {numbers.compression:.0f})")
+        print(f"{line}, {numbers.total_milliseconds:.1f} ms ({stages}), {memory:.0f} MB", flush=True)
+        if self.options.picture:
+            cv2.imwrite(self.options.picture, sweep_picture(parts["range_image"], parts["labels"], line))
+
+    def run(self):
+        """Waits until enough sweeps have come; False if they did not come in time."""
+        deadline = time.monotonic() + self.options.timeout
+        with self.lock:
+            while not rospy.is_shutdown() and len(self.done) < (self.options.sweeps or sys.maxsize):
+                self.lock.wait(0.2)
+                if time.monotonic() > deadline:
+                    return False
+        return True
+
+    def summary(self):
+        if not self.done:
+            return
+        times = [numbers.total_milliseconds for numbers in self.done]
+        print(f"time a sweep, message in to polygons out: median {statistics.median(times):.1f} ms, longest {max(times):.1f} ms")
+        lines = sum(numbers.height for numbers in self.done[1:])
+        try:
+            cpu = self.manager.cpu_seconds() - self.cpu_start
+            if lines and cpu > 0:
+                print(f"processor time of the manager: {1e3 * cpu / lines:.2f} ms a line, "
+                      f"enough for {lines / cpu:.0f} lines/s on one core (all nodelets together)")
+        except OSError:
+            pass  # the manager has ended before us
+        print(f"resident memory of the manager: {self.memory[0]:.0f} MB after the first sweep, {max(self.memory):.0f} MB at most")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--sweeps", type=int, default=0, help="end after so many sweeps; 0: when told to")
+    parser.add_argument("--timeout", type=float, default=120, help="seconds of wall time to wait for them")
+    parser.add_argument("--manager", default="manager", help="name of the nodelet manager")
+    parser.add_argument("--picture", help="PNG file, written anew each sweep")
+    options = parser.parse_args(rospy.myargv()[1:])
+    rospy.init_node("watch_sweeps", anonymous=True)
+    signal.signal(signal.SIGTERM, lambda *_: rospy.signal_shutdown("told to end"))
+    watcher = Watcher(options)
+    in_time = watcher.run()
+    watcher.summary()
+    if not in_time or not watcher.done:
+        print(f"{len(watcher.done)} of {options.sweeps or 'any'} sweeps came within {options.timeout:.0f} s", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
