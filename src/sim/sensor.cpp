@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/sim/sensor.h"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace patch_plane_clustering::sim {
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+
+Sensor utm30lx() {
+  Sensor s;
+  s.name = "utm_30lx";
+  s.beams = 1081;
+  s.bearing_min = -135.0 * kDegree;
+  s.bearing_increment = 0.25 * kDegree;
+  s.line_rate = 40.0;
+  s.range_min = 0.1;
+  s.range_max = 30.0;
+  s.spot_angle = 0.005;
+  s.noise = {0.01, 0.03, 10.0, 0.0};
+  return s;
+}
+
+// The steps are 360 deg / 1024; 4.095 m is the guaranteed range, the device reports up to 5.6 m.
+Sensor urg04lx() {
+  Sensor s;
+  s.name = "urg_04lx";
+  s.beams = 682;
+  s.bearing_increment = 360.0 / 1024.0 * kDegree;
+  s.bearing_min = -0.5 * (s.beams - 1) * s.bearing_increment;
+  s.line_rate = 10.0;
+  s.range_min = 0.02;
+  s.range_max = 5.6;
+  s.spot_angle = 0.008;
+  s.noise = {0.01, 0.01, 10.0, 0.01};
+  return s;
+}
+
+}  // namespace
+
+double Sensor::timeIncrement() const { return bearing_increment / (2.0 * M_PI * line_rate); }
+
+const std::vector<std::string>& sensorNames() {
+  static const std::vector<std::string> names{"utm_30lx", "urg_04lx"};
+  return names;
+}
+
+Sensor makeSensor(const std::string& name) {
+  if (name == "utm_30lx") return utm30lx();
+  if (name == "urg_04lx") return urg04lx();
+  throw std::invalid_argument("sensor is '" + name + "', allowed: utm_30lx, urg_04lx");
+}
+
+}  // namespace patch_plane_clustering::sim

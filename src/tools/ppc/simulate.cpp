@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `ppc simulate`: scans of a simulated scanner as a bag, or as organised clouds with ground-truth labels.
+#include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/sim/scanner.h"
+
+#include "output_file.h"
+#include "simulated_bag.h"
+#include "subcommands.h"
+
+#include <pcl/io/pcd_io.h>
+#include <pcl/point_types.h>
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <opencv2/imgcodecs.hpp>
+
+namespace patch_plane_clustering {
+namespace {
+
+struct Options {
+  std::string scene = "office", sensor = "utm_30lx", motion = "nodding", axis = "pitch";
+  double noise = 1.0;
+  bool realistic = false, exact = false;
+  std::uint64_t seed = 1;
+  int lines = 300, sweeps = 1;
+  double amplitude_deg = 60.0;
+  std::vector<double> lever_arm{0.0, 0.0, 0.0}, mount_rpy{0.0, 0.0, 0.0};
+  std::string bag, pcd, truth;
+};
+
+sim::ScannerOptions scannerOptions(const Options& o) {
+  sim::ScannerOptions s;
+  s.sensor = sim::makeSensor(o.sensor);
+  s.motion.kind = sim::motionFromName(o.motion);
+  s.motion.axis = sim::axisFromName(o.axis);
+  s.motion.amplitude = o.amplitude_deg * M_PI / 180.0;
+  s.motion.lines_per_pass = o.lines;
+  s.mount = Eigen::Translation3d(o.lever_arm[0], o.lever_arm[1], o.lever_arm[2]) *
+            Eigen::AngleAxisd(o.mount_rpy[2], Eigen::Vector3d::UnitZ()) *
+            Eigen::AngleAxisd(o.mount_rpy[1], Eigen::Vector3d::UnitY()) *
+            Eigen::Isometry3d(Eigen::AngleAxisd(o.mount_rpy[0], Eigen::Vector3d::UnitX()));
+  s.errors = o.exact       ? sim::ErrorModel::none()
+             : o.realistic ? sim::ErrorModel::realistic(o.noise)
+                           : sim::ErrorModel::dataSheet(o.noise);
+  return s;
+}
+
+void writeCloud(const RangeImage& image, const std::string& path) {
+  const BeamGrid grid = toBeamGrid(image);
+  pcl::PointCloud<pcl::PointXYZ> cloud(static_cast<std::uint32_t>(grid.cols), static_cast<std::uint32_t>(grid.rows));
+  for (int i = 0; i < grid.size(); ++i) cloud[i].getVector3fMap() = grid.point(i);
+  cloud.is_dense = false;
+  writeWhole(path, [&](const std::string& file) {
+    if (pcl::io::savePCDFileBinary(file, cloud) != 0) throw std::runtime_error("cannot write " + path);
+  });
+}
+
+void writeLabels(const LabelImage& labels, const std::string& path) {
+  cv::Mat_<std::uint16_t> picture(labels.rows, labels.cols);
+  std::copy(labels.labels.begin(), labels.labels.end(), picture.begin());
+  writeWhole(path, [&](const std::string& file) {
+    if (!cv::imwrite(file, picture)) throw std::runtime_error("cannot write " + path);
+  });
+}
+
+void run(const Options& o) {
+  if (o.bag.empty() && o.pcd.empty() && o.truth.empty()) {
+    throw std::invalid_argument("nothing to write: give --bag, --pcd or --truth");
+  }
+  for (const std::string& path : {o.bag, o.pcd, o.truth}) {
+    if (!path.empty()) requireWritable(path);
+  }
+  const sim::Scanner scanner(sim::makeScene(o.scene, o.seed), scannerOptions(o), o.seed);
+  if (!o.bag.empty()) {
+    writeWhole(o.bag, [&](const std::string& file) { writeSimulatedBag(scanner, o.sweeps, file); });
+  }
+  if (o.pcd.empty() && o.truth.empty()) return;
+  for (int i = 0; i < o.sweeps; ++i) {
+    const sim::Sweep sweep = scanner.sweep(i);
+    if (!o.pcd.empty()) writeCloud(sweep.image, numberedPath(o.pcd, i, o.sweeps > 1));
+    if (!o.truth.empty()) writeLabels(sweep.labels, numberedPath(o.truth, i, o.sweeps > 1));
+  }
+}
+
+}  // namespace
+
+void addSimulate(CLI::App& app) {
+  auto o = std::make_shared<Options>();
+  CLI::App* sub = app.add_subcommand("simulate", "Scan a simulated scene: bag, organised PCD, ground-truth labels");
+  sub->add_option("--scene", o->scene, "Scene")->check(CLI::IsMember(sim::sceneNames()))->capture_default_str();
+  sub->add_option("--sensor", o->sensor, "Laser")->check(CLI::IsMember(sim::sensorNames()))->capture_default_str();
+  sub->add_option("--noise", o->noise, "Factor on the data sheet's range noise")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  auto* realistic = sub->add_flag("--realistic", o->realistic,
+                                  "Add correlated noise, 1 cm grid, bias, bowed walls, mount and tilt errors");
+  sub->add_flag("--exact", o->exact, "No error of any kind")->excludes(realistic);
+  sub->add_option("--seed", o->seed, "Seed of scene and errors")->capture_default_str();
+  sub->add_option("--lines", o->lines, "Lines a sweep")->check(CLI::Range(1, 100000))->capture_default_str();
+  sub->add_option("--sweeps,--passes", o->sweeps, "Sweeps")->check(CLI::Range(1, 100000))->capture_default_str();
+  sub->add_option("--motion", o->motion, "Motion")->check(CLI::IsMember({"nodding", "spinning"}))->capture_default_str();
+  sub->add_option("--axis", o->axis, "Axis of the motor")
+      ->check(CLI::IsMember({"roll", "pitch", "yaw"}))
+      ->capture_default_str();
+  sub->add_option("--amplitude", o->amplitude_deg, "Nodding: from the middle to a turning point [deg]")
+      ->check(CLI::Range(0.0, 180.0))
+      ->capture_default_str();
+  sub->add_option("--lever-arm", o->lever_arm, "Laser in the tilting frame: x y z [m]")->expected(3)->capture_default_str();
+  sub->add_option("--mount-rpy", o->mount_rpy, "Rotation of the laser in the tilting frame: roll pitch yaw [rad]")
+      ->expected(3)
+      ->capture_default_str();
+  sub->add_option("--bag", o->bag, "Bag to write: /scan, /joint_states (tilt_joint), /tf (tilt_base -> laser)");
+  sub->add_option("--pcd", o->pcd, "Organised cloud to write (x y z, NaN = invalid); numbered if there are several sweeps");
+  sub->add_option("--truth", o->truth, "Ground-truth labels to write (16-bit PNG, 0 = no plane); numbered likewise");
+  sub->callback([o] { run(*o); });
+}
+
+}  // namespace patch_plane_clustering
