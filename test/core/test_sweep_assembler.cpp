@@ -395,8 +395,10 @@ TEST(SweepAssembler, accountsCloseAndPointsStayTrueUnderRandomFaults) {
     for (int tick = 0; tick < 4000; ++tick) {
       const double t = kStart + tick / 200.0;
       if (chance(random) < 0.001) silent_until = t + 2.0 * chance(random);
-      if (tick % 2 == 0 && t > silent_until && chance(random) > drop) rig.sample(chance(random) < 0.02 ? t - 0.05 : t);
-      if (chance(random) < 0.01) rig.source.track().add(t + 1e-4, 3.0 * chance(random) - 1.5);  // glitch
+      if (tick % 2 == 0 && t > silent_until && chance(random) > drop) {
+        rig.sample(chance(random) < 0.02 ? t - 0.05 : t);
+        if (chance(random) < 0.02) rig.source.track().add(t + 1e-4, 3.0 * chance(random) - 1.5);  // glitch
+      }
       if (tick % 5 != 0 || chance(random) < drop) continue;
       burst.push_back(rig.line(t));
       if (chance(random) < 0.05) burst.push_back(rig.line(t));

@@ -10,7 +10,7 @@ namespace patch_plane_clustering {
 
 struct TiltTrackOptions {
   double max_gap = 0.5;         ///< never interpolate between samples further apart than this [s]
-  double max_speed = 30.0;      ///< a sample that asks for a faster motor is suspect [rad/s]
+  double max_speed = 10.0;      ///< a sample that asks for a faster motor is suspect [rad/s]
   std::size_t capacity = 8192;  ///< samples kept; the oldest are forgotten
 };
 
