@@ -23,7 +23,7 @@ endif()
 
 add_layer(nodelets)
 if(TARGET ${PROJECT_NAME}_nodelets)
-  target_link_libraries(${PROJECT_NAME}_nodelets PRIVATE ${PROJECT_NAME}_ros ${PROJECT_NAME}_baselines ${PROJECT_NAME}_sim)
+  target_link_libraries(${PROJECT_NAME}_nodelets PRIVATE ${PROJECT_NAME}_ros $<TARGET_NAME_IF_EXISTS:${PROJECT_NAME}_baselines>)
   add_dependencies(${PROJECT_NAME}_nodelets ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
 endif()
 

@@ -60,6 +60,12 @@ std::vector<double> lineNoise(int beams, bool correlated, Random& random) {
 
 }  // namespace
 
+Eigen::Isometry3d mountFrom(const Eigen::Vector3d& lever_arm, const Eigen::Vector3d& rpy) {
+  return Eigen::Translation3d(lever_arm) * Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) *
+         Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
+         Eigen::Isometry3d(Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()));
+}
+
 Scanner::Scanner(Scene scene, ScannerOptions options, std::uint64_t seed)
     : scene_(std::move(scene)), options_(std::move(options)), seed_(seed), true_mount_(options_.mount) {
   check(options_);

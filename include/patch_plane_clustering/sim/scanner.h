@@ -24,6 +24,9 @@ struct ScannerOptions {
   int poses_per_row = 5;      ///< of assembled range images
 };
 
+/// @brief Pose of the laser in the tilting frame from its lever arm [m] and rotation by roll, pitch and yaw [rad] (REP 103).
+Eigen::Isometry3d mountFrom(const Eigen::Vector3d& lever_arm, const Eigen::Vector3d& rpy);
+
 /// @brief One line as the hardware gives it, with the truth.
 struct ScanLine {
   int index = 0;                     ///< 0, 1, 2, ... since the start

@@ -34,10 +34,7 @@ sim::ScannerOptions scannerOptions(const Options& o) {
   s.motion.axis = sim::axisFromName(o.axis);
   s.motion.amplitude = o.amplitude_deg * M_PI / 180.0;
   s.motion.lines_per_pass = o.lines;
-  s.mount = Eigen::Translation3d(o.lever_arm[0], o.lever_arm[1], o.lever_arm[2]) *
-            Eigen::AngleAxisd(o.mount_rpy[2], Eigen::Vector3d::UnitZ()) *
-            Eigen::AngleAxisd(o.mount_rpy[1], Eigen::Vector3d::UnitY()) *
-            Eigen::Isometry3d(Eigen::AngleAxisd(o.mount_rpy[0], Eigen::Vector3d::UnitX()));
+  s.mount = sim::mountFrom(Eigen::Vector3d(o.lever_arm.data()), Eigen::Vector3d(o.mount_rpy.data()));
   s.errors = o.exact       ? sim::ErrorModel::none()
              : o.realistic ? sim::ErrorModel::realistic(o.noise)
                            : sim::ErrorModel::dataSheet(o.noise);

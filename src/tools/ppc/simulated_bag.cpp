@@ -2,6 +2,7 @@
 #include "simulated_bag.h"
 
 #include "patch_plane_clustering/ros/simulated_messages.h"
+#include "patch_plane_clustering/sim/scan_stream.h"
 
 #include <rosbag/bag.h>
 
@@ -11,23 +12,21 @@ void writeSimulatedBag(const sim::Scanner& scanner, int passes, const std::strin
   const ros::Time start(1000.0);
   rosbag::Bag bag(path, rosbag::bagmode::Write);
   bag.setCompression(rosbag::compression::LZ4);
-  sim::JointSample next = scanner.joint(0);
-  int joints = 0;
-  const auto writeJoint = [&] {
-    const ros::Time stamp = start + ros::Duration(next.stamp);
-    bag.write("/joint_states", stamp, toJointState(next, start));
-    bag.write("/tf", stamp, toTransforms(scanner, next, start));
-    next = scanner.joint(++joints);
-  };
-  const int lines = passes * scanner.options().motion.lines_per_pass;
-  for (int i = 0; i < lines; ++i) {
-    const sim::ScanLine line = scanner.line(i);
-    const double end = line.stamp + scanner.timeIncrement() * static_cast<double>(line.ranges.size());
-    while (next.stamp <= end) writeJoint();
-    bag.write("/scan", start + ros::Duration(end), toLaserScan(scanner, line, start));
+  sim::ScanStream stream(scanner, 0);
+  // One joint sample more than lines: a driver needs it to place the last beams.
+  int lines = passes * scanner.options().motion.lines_per_pass;
+  for (bool last = false; !last;) {
+    const sim::ScanEvent event = stream.next();
+    const ros::Time stamp = start + ros::Duration(event.time);
+    if (event.is_line) {
+      bag.write("/scan", stamp, toLaserScan(scanner, event.line, start));
+      --lines;
+      continue;
+    }
+    bag.write("/joint_states", stamp, toJointState(event.joint, start));
+    bag.write("/tf", stamp, toTransforms(scanner, event.joint, start));
+    last = lines == 0;
   }
-  // A driver needs one more joint sample to place the last beams.
-  writeJoint();
   bag.close();
 }
 
