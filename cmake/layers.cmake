@@ -34,6 +34,8 @@ if(ppc_tool_sources)
   foreach(layer ros baselines sim evaluation)
     target_link_libraries(ppc PRIVATE $<TARGET_NAME_IF_EXISTS:${PROJECT_NAME}_${layer}>)
   endforeach()
-  target_link_libraries(ppc PRIVATE warnings ${PCL_LIBRARIES} ${OpenCV_LIBS} CLI11::CLI11 nlohmann_json::nlohmann_json)
+  target_link_libraries(ppc PRIVATE warnings yaml-cpp ${PCL_LIBRARIES} ${OpenCV_LIBS} CLI11::CLI11
+    nlohmann_json::nlohmann_json)
+  target_link_options(ppc PRIVATE -Wl,--as-needed)  # PCL's list of libraries includes VTK and Qt
   install(TARGETS ppc RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 endif()

@@ -1,21 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `ppc`: the offline tool. One file a subcommand.
+// ppc: planar polygons from organised clouds and bags, without a running ROS.
 #include "subcommands.h"
 
 #include <CLI/CLI.hpp>
-#include <exception>
+
 #include <iostream>
+#include <new>
 
 int main(int argc, char** argv) {
-  CLI::App app("Planar polygons from tilting 2D lasers, offline", "ppc");
+  CLI::App app{"Planar polygons from organised range images", "ppc"};
   app.require_subcommand(1);
+  patch_plane_clustering::addSegment(app);
   patch_plane_clustering::addSimulate(app);
+  patch_plane_clustering::addEvaluate(app);
   try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 1;
-  } catch (const std::exception& e) {
-    std::cerr << "ppc: " << e.what() << '\n';
+    app.parse(argc, argv);  // runs the subcommand
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 1;
+  } catch (const std::bad_alloc&) {
+    std::cerr << "ppc: out of memory\n";
+    return 1;
+  } catch (const std::exception& error) {
+    std::cerr << "ppc: " << error.what() << "\n";
     return 1;
   }
   return 0;

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/baselines/plane_segmenter.h"
+
+#include "patch_plane_clustering/core/segmenter.h"
+
+#include <stdexcept>
+
+namespace patch_plane_clustering {
+namespace {
+
+class PatchPlaneClustering : public PlaneSegmenter {
+ public:
+  LabelImage label(const BeamGrid& grid, const Config& config, std::vector<StageTime>* stages) override {
+    return clusterPatches(grid, config, stages);
+  }
+};
+
+}  // namespace
+
+const std::vector<std::string>& segmenterNames() {
+  static const std::vector<std::string> names = {"ppc"};
+  return names;
+}
+
+std::unique_ptr<PlaneSegmenter> makeSegmenter(const std::string& name) {
+  if (name == "ppc") return std::make_unique<PatchPlaneClustering>();
+  std::string known;
+  for (const auto& each : segmenterNames()) known += (known.empty() ? "" : ", ") + each;
+  throw std::invalid_argument("unknown method '" + name + "'; known are " + known);
+}
+
+Segmentation segmentWith(PlaneSegmenter& method, const BeamGrid& grid, const Config& config) {
+  std::vector<StageTime> stages;
+  LabelImage labels = method.label(grid, config, &stages);
+  return finishSegmentation(grid, std::move(labels), config, std::move(stages));
+}
+
+}  // namespace patch_plane_clustering

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "patch_plane_clustering/core/config.h"
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+#include <vector>
+
+namespace patch_plane_clustering {
+
+/// @brief The options --method, --config and --set, which every subcommand that segments has.
+struct MethodOptions {
+  std::string method = "ppc";
+  std::string config_file;
+  std::vector<std::string> settings;  ///< "name=value"; later ones win, and all win over the file
+
+  void addTo(CLI::App& command);
+  /// @throws std::runtime_error naming the file or option, the parameter, the value and the allowed range.
+  Config config() const;
+};
+
+}  // namespace patch_plane_clustering

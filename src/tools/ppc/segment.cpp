@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_file.h"
+#include "files.h"
+#include "method_options.h"
+#include "patch_plane_clustering/baselines/plane_segmenter.h"
+#include "result_files.h"
+#include "subcommands.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <iostream>
+#include <memory>
+
+namespace patch_plane_clustering {
+namespace {
+
+struct SegmentOptions {
+  std::string input;
+  MethodOptions method;
+  std::string labels;
+  std::string polygons;
+  int repeat = 1;
+};
+
+// Median of each stage over several runs; all runs have the same stages, for they do the same work.
+std::vector<StageTime> medianStages(const std::vector<std::vector<StageTime>>& runs) {
+  std::vector<StageTime> medians = runs.front();
+  for (std::size_t stage = 0; stage < medians.size(); ++stage) {
+    std::vector<double> times;
+    for (const auto& run : runs) times.push_back(run[stage].second);
+    std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
+    medians[stage].second = times[times.size() / 2];
+  }
+  return medians;
+}
+
+void segmentImage(const SegmentOptions& options, const Config& config, PlaneSegmenter& method, const BeamGrid& grid,
+                  const ImageSource& source, int index, bool several) {
+  Segmentation result = segmentWith(method, grid, config);
+  if (options.repeat > 1) {  // the run above was the warm-up
+    std::vector<std::vector<StageTime>> runs;
+    for (int i = 0; i < options.repeat; ++i) runs.push_back(segmentWith(method, grid, config).stages);
+    result.stages = medianStages(runs);
+  }
+  if (!options.labels.empty()) writeImage(numbered(options.labels, index, several), labelPicture(result.labels));
+  if (!options.polygons.empty()) {
+    writeText(numbered(options.polygons, index, several), polygonsJson(grid, result, source).dump(1) + "\n");
+  }
+  nlohmann::ordered_json line = {{"input", options.input}, {"image", index}, {"method", options.method.method}};
+  line.update(statisticsJson(grid, result));
+  std::cout << line.dump() << std::endl;
+}
+
+void run(const SegmentOptions& options) {
+  const Config config = options.method.config();
+  const auto method = makeSegmenter(options.method.method);
+  segmentImage(options, config, *method, readCloud(options.input), {}, 0, false);
+}
+
+}  // namespace
+
+void addSegment(CLI::App& app) {
+  auto* command = app.add_subcommand("segment", "Finds the planar regions of an organised cloud (PCD)");
+  auto options = std::make_shared<SegmentOptions>();
+  command->add_option("input", options->input, "Organised cloud, .pcd")->required();
+  options->method.addTo(*command);
+  command->add_option("--labels", options->labels, "Label image to write, 16-bit PNG, 0 = no plane");
+  command->add_option("--polygons", options->polygons, "Polygons to write, JSON");
+  command->add_option("--repeat", options->repeat, "Segments N times after a warm-up and reports the median times")
+      ->check(CLI::Range(1, 100000));
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace patch_plane_clustering
