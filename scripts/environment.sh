@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Common ground of the scripts; sourced, not run. Sets `root` (the checkout) and an environment that holds on a bare Debian 12:
-# Debian's own python3 before any other, a UTF-8 locale that is always there, and a host name that resolves.
+# Debian's own python3 before any other, a UTF-8 locale that is always there, and an address in place of host names.
 # shellcheck shell=bash disable=SC2034
 
 set -euo pipefail
@@ -9,9 +9,8 @@ export PATH="/usr/bin:/bin:/usr/sbin:/sbin:/usr/local/bin${PATH:+:$PATH}"
 export LC_ALL=C.UTF-8
 export HOME="${HOME:-/tmp}"
 unset PYTHONHOME PYTHONPATH
-if [[ -z ${ROS_HOSTNAME:-} && -z ${ROS_IP:-} ]]; then
-  export ROS_HOSTNAME=localhost
-fi
+# A bare system may not even know localhost.
+if [[ -z ${ROS_HOSTNAME:-} && -z ${ROS_IP:-} ]]; then export ROS_IP=127.0.0.1; fi
 
 say() { printf '%s\n' "[$(basename "$0")] $*" >&2; }
 die() { say "$*"; exit 1; }

@@ -38,7 +38,7 @@ log_tail() { sed 's/\x1b\[[0-9;]*m//g; s/^/    /' "$output/log/$1.log" | tail -n
 begin_session() {
   mkdir -p "$output/log"
   export ROS_HOME=$output/log
-  ROS_MASTER_URI=http://localhost:$(/usr/bin/python3 -c 'import socket; s = socket.socket(); s.bind(("", 0)); print(s.getsockname()[1])')
+  ROS_MASTER_URI=http://${ROS_HOSTNAME:-${ROS_IP:-}}:$(/usr/bin/python3 -c 'import socket; s = socket.socket(); s.bind(("", 0)); print(s.getsockname()[1])')
   export ROS_MASTER_URI
   source_workspace "$root/build"
   trap end_all EXIT
