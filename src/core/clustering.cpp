@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <set>
+#include <map>
 #include <utility>
 
 namespace patch_plane_clustering {
@@ -12,9 +12,12 @@ namespace {
 
 constexpr int kMinPatchPoints = 6;
 
-// Radius of a patch on its surface [m].
-double patchRadius(const Patch& patch) {
-  const Moments& m = patch.moments;
+constexpr double kWholeTolerance = 2.5;  // tolerance over a whole cluster over that from patch to patch
+constexpr double kMaxRadius = 0.5;       // [m]
+constexpr int kBorderSteps = 2;          // depth of a border in patches
+
+// Root mean square distance of the points from their mean [m].
+double radius(const Moments& m) {
   const Eigen::Vector3d mean = m.mean();
   const double spread = (m.xx + m.yy + m.zz) / m.w - mean.squaredNorm();
   return std::sqrt(std::max(0.0, spread));
@@ -22,6 +25,25 @@ double patchRadius(const Patch& patch) {
 
 double excess(const Moments& a, const PlaneFit& fit_a, const Moments& b, const PlaneFit& fit_b) {
   return fitPlane(a + b).chi2 - fit_a.chi2 - fit_b.chi2;
+}
+
+// Moments of the patches of a cluster within a few steps of its given border patches.
+Moments nearBorder(const PatchGrid& grid, const std::vector<int>& cluster_of, int cluster, std::vector<int> patches) {
+  std::sort(patches.begin(), patches.end());
+  patches.erase(std::unique(patches.begin(), patches.end()), patches.end());
+  for (int step = 0; step < kBorderSteps; ++step) {
+    const std::size_t end = patches.size();
+    for (std::size_t k = 0; k < end; ++k) {
+      grid.forEachNeighbour(patches[k], [&](int j) {
+        if (cluster_of[j] == cluster) patches.push_back(j);
+      });
+    }
+    std::sort(patches.begin(), patches.end());
+    patches.erase(std::unique(patches.begin(), patches.end()), patches.end());
+  }
+  Moments sum;
+  for (const int i : patches) sum += grid.patches[i].moments;
+  return sum;
 }
 
 }  // namespace
@@ -106,7 +128,7 @@ PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const
         const PlaneFit fit = fitPlane(joint);
         const double sigma = noise.sigma(patch.range);
         const double precision = std::min(patch.moments.n, cluster.moments.n) / (sigma * sigma);
-        const double s = similarity(fit.chi2 - cluster.fit.chi2 - patch.fit.chi2, precision, patchRadius(patch),
+        const double s = similarity(fit.chi2 - cluster.fit.chi2 - patch.fit.chi2, precision, radius(patch.moments),
                                     secantSquared(fit.a, patch.range), tolerance);
         if (s < threshold) return;
         cluster.moments = joint;
@@ -123,32 +145,37 @@ PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const
 
 void mergeClusters(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
                    PatchClusters& clusters) {
-  const auto pairSimilarity = [&](int a, int b) {
-    const Cluster& small = clusters.clusters[clusters.clusters[a].moments.n < clusters.clusters[b].moments.n ? a : b];
-    const Cluster& large = clusters.clusters[&small == &clusters.clusters[a] ? b : a];
-    const PlaneFit joint = fitPlane(small.moments + large.moments);
-    const Eigen::Vector3d mean = small.moments.mean();
-    const double range = mean.norm();
+  // Over a whole wall the tolerance is wider than from patch to patch (walls bow), but where two clusters meet they must agree.
+  CoplanarityTolerance whole = tolerance;
+  whole.sigma_distance *= kWholeTolerance;
+  const auto similarityOf = [&](const Moments& a, const Moments& b, const CoplanarityTolerance& allowed) {
+    const Moments& small = a.n < b.n ? a : b;
+    const PlaneFit joint = fitPlane(a + b);
+    const double range = small.mean().norm();
     const double sigma = noise.sigma(range);
-    Patch extent;
-    extent.moments = small.moments;
-    return similarity(joint.chi2 - small.fit.chi2 - large.fit.chi2, small.moments.n / (sigma * sigma),
-                      std::min(patchRadius(extent), 0.5), secantSquared(joint.a, range), tolerance);
+    return similarity(joint.chi2 - fitPlane(a).chi2 - fitPlane(b).chi2, small.n / (sigma * sigma),
+                      std::min(radius(small), kMaxRadius), secantSquared(joint.a, range), allowed);
   };
   while (true) {
-    std::set<std::pair<int, int>> touching;
+    std::map<std::pair<int, int>, std::pair<std::vector<int>, std::vector<int>>> borders;
     for (int i = 0; i < static_cast<int>(grid.patches.size()); ++i) {
       const int a = clusters.cluster_of[i];
       if (a < 0) continue;
       grid.forEachNeighbour(i, [&](int j) {
         const int b = clusters.cluster_of[j];
-        if (b >= 0 && b != a) touching.emplace(std::min(a, b), std::max(a, b));
+        if (b <= a) return;
+        auto& border = borders[{a, b}];
+        border.first.push_back(i);
+        border.second.push_back(j);
       });
     }
     std::vector<std::pair<double, std::pair<int, int>>> candidates;
-    for (const auto& pair : touching) {
-      const double s = pairSimilarity(pair.first, pair.second);
-      if (s >= threshold) candidates.push_back({-s, pair});
+    for (const auto& [pair, border] : borders) {
+      const double s = similarityOf(clusters.clusters[pair.first].moments, clusters.clusters[pair.second].moments, whole);
+      if (s < threshold) continue;
+      const double local = similarityOf(nearBorder(grid, clusters.cluster_of, pair.first, border.first),
+                                        nearBorder(grid, clusters.cluster_of, pair.second, border.second), tolerance);
+      if (local >= threshold) candidates.push_back({-s, pair});
     }
     if (candidates.empty()) return;
     std::sort(candidates.begin(), candidates.end());
