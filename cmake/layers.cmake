@@ -17,7 +17,8 @@ endif()
 
 add_layer(ros)
 if(TARGET ${PROJECT_NAME}_ros)
-  target_link_libraries(${PROJECT_NAME}_ros PUBLIC ${PROJECT_NAME}_core ${PROJECT_NAME}_sim ${catkin_LIBRARIES} yaml-cpp)
+  target_link_libraries(${PROJECT_NAME}_ros PUBLIC ${PROJECT_NAME}_core ${PROJECT_NAME}_sim ${catkin_LIBRARIES} yaml-cpp
+    PRIVATE OpenGL::GLU)
   add_dependencies(${PROJECT_NAME}_ros ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
 endif()
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/config.h"
 
+#include "patch_plane_clustering/core/nearest_name.h"
+
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <sstream>
 #include <stdexcept>
 
@@ -49,29 +50,13 @@ std::vector<ConfigField> makeFields() {
 
 #undef PPC_FIELD
 
-int editDistance(const std::string& a, const std::string& b) {
-  std::vector<int> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    int diagonal = row[0];
-    row[0] = static_cast<int>(i);
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const int substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
-    }
-  }
-  return row.back();
-}
-
 const ConfigField& fieldNamed(const std::string& name) {
   const auto& fields = configFields();
   const auto found = std::find_if(fields.begin(), fields.end(), [&](const auto& f) { return f.name == name; });
   if (found != fields.end()) return *found;
-  const auto nearest = std::min_element(fields.begin(), fields.end(), [&](const auto& a, const auto& b) {
-    return editDistance(a.name, name) < editDistance(b.name, name);
-  });
-  throw std::invalid_argument("unknown parameter '" + name + "'; did you mean '" + nearest->name + "'?");
+  std::vector<std::string> names;
+  for (const ConfigField& field : fields) names.push_back(field.name);
+  throw std::invalid_argument("unknown parameter '" + name + "'; did you mean '" + nearestName(names, name) + "'?");
 }
 
 }  // namespace
