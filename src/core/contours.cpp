@@ -18,19 +18,15 @@ class Tracer {
   PixelContours run() {
     for (int r = 0; r < labels_.rows; ++r) {
       const std::int32_t* line = labels_.labels.data() + offset(r, 0);
-      int component = 0;
-      for (int c = 0; c < labels_.cols; ++c) {
+      for (int c = 0; c < labels_.cols;) {
         const std::int32_t label = line[c];
+        const int first = c++;
+        while (c < labels_.cols && line[c] == label) ++c;
         if (label <= 0) continue;
-        if (c == 0 || line[c - 1] != label) {
-          // The first side met of a new component is the left side of its topmost row: part of the outer ring.
-          if (left_[offset(r, c)] == kUnseen) trace(r + 1, c, kUp, label, result_.components++, false);
-          component = left_[offset(r, c)];
-        }
+        // The first side met of a new component is the left side of its topmost row: part of the outer ring.
+        if (left_[offset(r, first)] == kUnseen) trace(r + 1, first, kUp, label, result_.components++, false);
         // The first side met of a new hole is the right side of the run before it.
-        if ((c + 1 == labels_.cols || line[c + 1] != label) && right_seen_[offset(r, c)] == 0) {
-          trace(r, c + 1, kDown, label, component, true);
-        }
+        if (right_seen_[offset(r, c - 1)] == 0) trace(r, c, kDown, label, left_[offset(r, first)], true);
       }
     }
     return std::move(result_);

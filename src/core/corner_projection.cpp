@@ -90,10 +90,21 @@ OutlinePoint CornerProjection::project(const PixelCorner& corner) {
   return out;
 }
 
-int CornerProjection::handedness(int row, int col) {
-  const Cut c = cut(row - 0.5, col - 0.5);
-  const double area = c.direction.dot(c.col_change.cross(c.row_change));
-  const double tiny = 1e-6 * c.range * c.col_change.norm();  // rounding of the beams' directions
+int CornerProjection::handedness(int row, int col) const {
+  const int r0 = std::clamp(row - 1, 0, std::max(0, grid_.rows - 2)), r1 = std::min(r0 + 1, grid_.rows - 1);
+  const int c0 = std::clamp(col - 1, 0, std::max(0, grid_.cols - 2)), c1 = std::min(c0 + 1, grid_.cols - 1);
+  const int i00 = grid_.index(r0, c0), i01 = grid_.index(r0, c1), i10 = grid_.index(r1, c0), i11 = grid_.index(r1, c1);
+  const Eigen::Vector3f u = grid_.direction(i00);
+  Eigen::Vector3f per_row = (grid_.direction(i10) - u) + (grid_.direction(i11) - grid_.direction(i01));
+  Eigen::Vector3f per_col = (grid_.direction(i01) - u) + (grid_.direction(i11) - grid_.direction(i10));
+  if (!grid_.origin_x.empty()) {  // what moves the point is the origin and, at its range, the direction
+    const double range = region_.plane.rangeAlong(grid_.origin(i00).cast<double>(), u.cast<double>());
+    const auto t = static_cast<float>(range > 0.0 ? std::min(range, 1e3) : 1e3);
+    per_row += ((grid_.origin(i10) - grid_.origin(i00)) + (grid_.origin(i11) - grid_.origin(i01))) / t;
+    per_col += ((grid_.origin(i01) - grid_.origin(i00)) + (grid_.origin(i11) - grid_.origin(i10))) / t;
+  }
+  const float area = u.dot(per_col.cross(per_row));
+  const float tiny = 1e-6F * per_col.norm();  // rounding of the directions
   return area > tiny ? 1 : (area < -tiny ? -1 : 0);
 }
 

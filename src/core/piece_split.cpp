@@ -6,6 +6,11 @@
 #include <utility>
 
 namespace patch_plane_clustering {
+namespace {
+
+constexpr int kStride = 8;
+
+}  // namespace
 
 std::vector<std::vector<PixelRing>> ringsByComponent(const PixelContours& contours, int min_hole_size) {
   std::vector<std::vector<PixelRing>> pieces(static_cast<std::size_t>(contours.components));
@@ -42,11 +47,19 @@ PieceMask maskOfPiece(const std::vector<PixelCorner>& corners, const std::vector
   return mask;
 }
 
-bool splitAtFolds(CornerProjection& projection, PieceMask& mask) {
+bool splitAtFolds(const CornerProjection& projection, PieceMask& mask) {
   const int rows = mask.labels.rows, cols = mask.labels.cols;
   std::vector<int> above(static_cast<std::size_t>(cols) + 1), below(above.size());
+  // Folds are long and few: in between two corners of one sign a few columns apart there is none.
   const auto fill = [&](int row, std::vector<int>& signs) {
-    for (int c = 0; c <= cols; ++c) signs[c] = projection.handedness(mask.row + row, mask.col + c);
+    const auto sign = [&](int c) { return projection.handedness(mask.row + row, mask.col + c); };
+    signs[0] = sign(0);
+    for (int from = 0; from < cols;) {
+      const int to = std::min(from + kStride, cols);
+      signs[to] = sign(to);
+      for (int c = from + 1; c < to; ++c) signs[c] = signs[from] == signs[to] ? signs[to] : sign(c);
+      from = to;
+    }
   };
   std::vector<std::int32_t> split(mask.labels.labels.size(), 0);
   bool found[2] = {false, false};

@@ -24,7 +24,7 @@ PieceMask maskOfPiece(const std::vector<PixelCorner>& corners, const std::vector
 
 /// @brief Labels the pixels 1 or 2 by the handedness of the image on the plane, which flips at the pole of a nodding scan;
 /// pixels whose own footprint folds become 0. @return false if there is no fold; the mask is unchanged then.
-bool splitAtFolds(CornerProjection& projection, PieceMask& mask);
+bool splitAtFolds(const CornerProjection& projection, PieceMask& mask);
 
 /// @brief Labels the two halves, across the longer side, 1 and 2. @return false for a single pixel.
 bool splitInHalf(PieceMask& mask);

@@ -10,17 +10,19 @@
 namespace patch_plane_clustering {
 namespace {
 
-// Share of its area that a ring may gain or lose by simplification.
-constexpr double kOuterAreaChange = 0.02;
-constexpr double kHoleAreaChange = 0.2;  // of the hole's own area, a small part of the polygon's
+using Outlines = std::vector<std::vector<OutlinePoint>>;
+
+constexpr int kAttempts = 5;                 // each with half the tolerance of the one before, the last with none
+constexpr double kLargestAreaChange = 0.02;  // of the polygon's area
+
+double ringArea(const std::vector<OutlinePoint>& ring) { return std::abs(signedArea(ring.data(), ring.size())); }
 
 SimplifiedRing simplify(const std::vector<OutlinePoint>& points, OutlineTolerance tolerance, double area_change) {
   const double area = signedArea(points.data(), points.size());
-  for (int attempt = 0; attempt < 4; ++attempt) {
+  for (int attempt = 1; attempt < kAttempts; ++attempt) {
     SimplifiedRing ring(points.data(), points.size(), tolerance);
-    if (std::abs(ring.area() - area) <= area_change * std::abs(area)) return ring;
-    tolerance.metres *= 0.5;
-    tolerance.pixels *= 0.5;
+    if (std::abs(ring.area() - area) <= area_change) return ring;
+    tolerance = tolerance.halved();
   }
   return SimplifiedRing(points.data(), points.size(), OutlineTolerance{});
 }
@@ -44,39 +46,60 @@ bool pullApart(std::vector<SimplifiedRing>& rings, std::vector<std::vector<Eigen
   }
 }
 
-}  // namespace
-
-std::optional<PolygonPiece> makePiece(const std::vector<std::vector<OutlinePoint>>& rings,
-                                      const OutlineTolerance& tolerance) {
-  std::vector<SimplifiedRing> simplified;
-  std::vector<std::vector<Eigen::Vector2d>> positions;
-  const double turn = signedArea(rings.front().data(), rings.front().size());
-  for (std::size_t i = 0; i < rings.size(); ++i) {
-    SimplifiedRing ring = simplify(rings[i], tolerance, i == 0 ? kOuterAreaChange : kHoleAreaChange);
-    // Within the tolerance a hole may shrink to a line, which bounds nothing.
-    if (i > 0 && (ring.size() < 3 || !(ring.area() * turn < 0.0))) continue;
-    positions.push_back(ring.positions());
-    simplified.push_back(std::move(ring));
+// Rings of one polygon, once they are apart, in the order of the outlines; false if a hole is not where it was.
+bool nested(const std::vector<std::vector<Eigen::Vector2d>>& rings) {
+  for (std::size_t i = 1; i < rings.size(); ++i) {
+    const Eigen::Vector2d& p = rings[i].front();  // no ring crosses another: one vertex tells
+    if (!isInside(p, rings.front())) return false;
+    for (std::size_t j = 1; j < rings.size(); ++j) {
+      if (j != i && isInside(p, rings[j])) return false;
+    }
   }
-  if (simplified.front().size() < 3 || !pullApart(simplified, positions)) return std::nullopt;
+  return true;
+}
 
+PolygonPiece assemble(std::vector<std::vector<Eigen::Vector2d>> rings) {
   PolygonPiece piece;
-  const double outer_area = signedArea(positions.front());
-  if (!(outer_area * turn > 0.0)) return std::nullopt;
-  piece.area = std::abs(outer_area);
-  piece.outer = std::move(positions.front());
-  if (outer_area < 0.0) std::reverse(piece.outer.begin(), piece.outer.end());
-  for (std::size_t i = 1; i < positions.size(); ++i) {
-    std::vector<Eigen::Vector2d>& hole = positions[i];
-    const double area = signedArea(hole);
-    const auto swallows = [&](const std::vector<Eigen::Vector2d>& other) { return isInside(hole.front(), other); };
-    // Rings are apart now, so one vertex tells on which side a ring lies.
-    if (!swallows(piece.outer) || std::any_of(piece.holes.begin(), piece.holes.end(), swallows)) continue;
-    if (area > 0.0) std::reverse(hole.begin(), hole.end());
-    piece.area -= std::abs(area);
-    piece.holes.push_back(std::move(hole));
+  for (std::size_t i = 0; i < rings.size(); ++i) {
+    const double area = signedArea(rings[i]);
+    if ((area > 0.0) != (i == 0)) std::reverse(rings[i].begin(), rings[i].end());
+    piece.area += i == 0 ? std::abs(area) : -std::abs(area);
+    (i == 0 ? piece.outer : piece.holes.emplace_back()) = std::move(rings[i]);
   }
   return piece;
+}
+
+}  // namespace
+
+std::optional<PolygonPiece> makePiece(const Outlines& outlines, const OutlineTolerance& tolerance) {
+  const double outer_area = ringArea(outlines.front());
+  double area = outer_area;
+  for (std::size_t i = 1; i < outlines.size(); ++i) area -= ringArea(outlines[i]);
+  area = std::max(area, 0.0);
+
+  OutlineTolerance current = tolerance;
+  for (int attempt = 1; attempt <= kAttempts; ++attempt, current = current.halved()) {
+    const bool last = attempt == kAttempts || tolerance.none();
+    if (last) current = {};
+    std::vector<SimplifiedRing> rings;
+    std::vector<std::vector<Eigen::Vector2d>> positions;
+    for (std::size_t i = 0; i < outlines.size(); ++i) {
+      // A small hole may change by more, as long as the polygon hardly notices.
+      const double own = kLargestAreaChange * ringArea(outlines[i]);
+      const double change =
+          i == 0 ? kLargestAreaChange * area : std::max(own, std::min(10.0 * own, 0.1 * kLargestAreaChange * area));
+      rings.push_back(simplify(outlines[i], current, change));
+      positions.push_back(rings.back().positions());
+    }
+    if (!pullApart(rings, positions)) return std::nullopt;  // the full rings cross
+    if (!nested(positions)) {
+      if (last) return std::nullopt;
+      continue;
+    }
+    PolygonPiece piece = assemble(std::move(positions));
+    if (last || std::abs(piece.area - area) <= 2.0 * kLargestAreaChange * area) return piece;
+  }
+  return std::nullopt;
 }
 
 }  // namespace patch_plane_clustering

@@ -40,6 +40,7 @@ SimplifiedRing::SimplifiedRing(const OutlinePoint* points, std::size_t size, con
   }
   chooseCorners();
   moveOntoLines();
+  dropNeedless();
 }
 
 std::vector<Eigen::Vector2d> SimplifiedRing::positions() const {
@@ -62,7 +63,7 @@ double SimplifiedRing::excess(std::size_t corner, const Eigen::Vector2d& from, c
   const Eigen::Vector2d away = offset - along * edge;
   const double distance2 = away.squaredNorm();
   const double metres2 = tolerance_.metres * tolerance_.metres;
-  if (distance2 <= metres2) return metres2 > 0.0 ? distance2 / metres2 : 0.0;
+  if (distance2 <= 0.25 * metres2) return metres2 > 0.0 ? distance2 / metres2 : 0.0;  // most corners
   // The footprint's extent in the direction of the offset, times the distance.
   const double extent = tolerance_.pixels * (std::abs(away.dot(q.row_step)) + std::abs(away.dot(q.col_step)));
   return distance2 / std::max(metres2, extent * extent / distance2);
@@ -114,6 +115,22 @@ void SimplifiedRing::chooseCorners() {
   }
   for (std::size_t i = 0; i < n_; ++i) {
     if (chosen[i]) vertices_.push_back({i, points_[i].point, false});
+  }
+}
+
+// The starting points, and corners that a staircase pushed just beyond the tolerance, may lie in the middle of a straight
+// edge.
+void SimplifiedRing::dropNeedless() {
+  constexpr double kClose = 0.5;  // square of the share of the tolerance: a straight edge's staircase reaches 0.25
+  for (std::size_t i = 0; i < vertices_.size() && vertices_.size() > 3;) {
+    const Vertex& before = vertices_[i == 0 ? vertices_.size() - 1 : i - 1];
+    const Vertex& after = vertices_[next(i)];
+    const std::size_t last = after.corner > before.corner ? after.corner : after.corner + n_;
+    if (farthest(before.corner, last, before.position, after.position).second <= kClose) {
+      vertices_.erase(vertices_.begin() + static_cast<std::ptrdiff_t>(i));
+    } else {
+      ++i;
+    }
   }
 }
 

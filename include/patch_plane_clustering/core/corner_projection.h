@@ -31,7 +31,7 @@ class CornerProjection {
 
   /// +1 or -1: handedness of the image on the plane around a corner; it flips where the scan lines cross (the pole). 0:
   /// neither.
-  int handedness(int row, int col);
+  int handedness(int row, int col) const;
 
   /// The point of the frame that plane coordinates stand for [m].
   Eigen::Vector3d lift(const Eigen::Vector2d& p) const { return centre_ + p.x() * axis_x_ + p.y() * axis_y_; }

@@ -13,6 +13,7 @@ struct OutlineTolerance {
   double metres = 0.0;
   double pixels =
       0.0;  ///< in units of the local pixel footprint, measured across the edge: a staircase has an amplitude of 1
+  OutlineTolerance halved() const { return {0.5 * metres, 0.5 * pixels}; }
   bool none() const { return !(metres > 0.0) && !(pixels > 0.0); }
 };
 
@@ -53,6 +54,7 @@ class SimplifiedRing {
   std::pair<std::size_t, double> farthest(std::size_t edge) const;
   void chooseCorners();
   void moveOntoLines();
+  void dropNeedless();
   void putBack(Vertex& vertex) const;
 
   const OutlinePoint* points_;
