@@ -13,6 +13,7 @@ namespace {
 constexpr int kMinPatchPoints = 6;
 
 constexpr double kWholeTolerance = 2.5;  // tolerance over a whole cluster over that from patch to patch
+constexpr double kStepTolerance = 1.25;  // tolerance of a step along the border of two clusters, likewise
 constexpr double kMaxRadius = 0.5;       // [m]
 constexpr int kBorderSteps = 2;          // depth of a border in patches
 
@@ -44,6 +45,19 @@ Moments nearBorder(const PatchGrid& grid, const std::vector<int>& cluster_of, in
   Moments sum;
   for (const int i : patches) sum += grid.patches[i].moments;
   return sum;
+}
+
+// Gaussian similarity of two strips along a common border: how far apart they lie across the joint plane. The strips' own
+// slopes are left out, for a tilted plane would pass through any step.
+double continuity(const Moments& a, const Moments& b, const PlaneFit& joint, const NoiseModel& noise,
+                  const CoplanarityTolerance& tolerance) {
+  const Eigen::Vector3d mean_a = a.mean(), mean_b = b.mean();
+  const double gap = joint.normal().dot(mean_a - mean_b);
+  const double range = 0.5 * (mean_a.norm() + mean_b.norm());
+  const double sigma = noise.sigma(range);
+  const double variance = sigma * sigma / secantSquared(joint.a, range) * (1.0 / a.n + 1.0 / b.n) * tolerance.inflation;
+  const double step = kStepTolerance * tolerance.sigma_distance;
+  return std::exp(-0.5 * gap * gap / (variance + step * step));
 }
 
 }  // namespace
@@ -173,9 +187,10 @@ void mergeClusters(const PatchGrid& grid, const NoiseModel& noise, const Coplana
     for (const auto& [pair, border] : borders) {
       const double s = similarityOf(clusters.clusters[pair.first].moments, clusters.clusters[pair.second].moments, whole);
       if (s < threshold) continue;
-      const double local = similarityOf(nearBorder(grid, clusters.cluster_of, pair.first, border.first),
-                                        nearBorder(grid, clusters.cluster_of, pair.second, border.second), tolerance);
-      if (local >= threshold) candidates.push_back({-s, pair});
+      const Moments here = nearBorder(grid, clusters.cluster_of, pair.first, border.first);
+      const Moments there = nearBorder(grid, clusters.cluster_of, pair.second, border.second);
+      const PlaneFit joint = fitPlane(clusters.clusters[pair.first].moments + clusters.clusters[pair.second].moments);
+      if (continuity(here, there, joint, noise, tolerance) >= threshold) candidates.push_back({-s, pair});
     }
     if (candidates.empty()) return;
     std::sort(candidates.begin(), candidates.end());
