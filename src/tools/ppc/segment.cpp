@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "bag_sweeps.h"
 #include "cloud_file.h"
 #include "files.h"
 #include "method_options.h"
 #include "patch_plane_clustering/baselines/plane_segmenter.h"
+#include "picture.h"
 #include "result_files.h"
 #include "subcommands.h"
 
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 
@@ -20,6 +23,8 @@ struct SegmentOptions {
   MethodOptions method;
   std::string labels;
   std::string polygons;
+  std::string picture;
+  BagOptions bag;
   int repeat = 1;
 };
 
@@ -47,6 +52,9 @@ void segmentImage(const SegmentOptions& options, const Config& config, PlaneSegm
   if (!options.polygons.empty()) {
     writeText(numbered(options.polygons, index, several), polygonsJson(grid, result, source).dump(1) + "\n");
   }
+  if (!options.picture.empty()) {
+    writeImage(numbered(options.picture, index, several), drawSegmentation(grid, result));
+  }
   nlohmann::ordered_json line = {{"input", options.input}, {"image", index}, {"method", options.method.method}};
   line.update(statisticsJson(grid, result));
   std::cout << line.dump() << std::endl;
@@ -55,18 +63,29 @@ void segmentImage(const SegmentOptions& options, const Config& config, PlaneSegm
 void run(const SegmentOptions& options) {
   const Config config = options.method.config();
   const auto method = makeSegmenter(options.method.method);
-  segmentImage(options, config, *method, readCloud(options.input), {}, 0, false);
+  if (std::filesystem::path(options.input).extension() != ".bag") {
+    segmentImage(options, config, *method, readCloud(options.input), {}, 0, false);
+    return;
+  }
+  int index = 0;
+  const auto on_sweep = [&](BagSweep&& bag) {
+    const ImageSource source{bag.frame_id, bag.sweep.stamp};
+    segmentImage(options, config, *method, toBeamGrid(bag.sweep.image), source, index++, true);
+  };
+  readSweeps(options.input, options.bag, {}, on_sweep, showProgress);
 }
 
 }  // namespace
 
 void addSegment(CLI::App& app) {
-  auto* command = app.add_subcommand("segment", "Finds the planar regions of an organised cloud (PCD)");
+  auto* command = app.add_subcommand("segment", "Finds the planar regions of an organised cloud or of the sweeps in a bag");
   auto options = std::make_shared<SegmentOptions>();
-  command->add_option("input", options->input, "Organised cloud, .pcd")->required();
+  command->add_option("input", options->input, "Organised cloud (.pcd) or recorded scans (.bag)")->required();
   options->method.addTo(*command);
   command->add_option("--labels", options->labels, "Label image to write, 16-bit PNG, 0 = no plane");
   command->add_option("--polygons", options->polygons, "Polygons to write, JSON");
+  command->add_option("--picture", options->picture, "Picture of ranges, labels and outlines to write, PNG");
+  options->bag.addTo(*command);
   command->add_option("--repeat", options->repeat, "Segments N times after a warm-up and reports the median times")
       ->check(CLI::Range(1, 100000));
   command->callback([options] { run(*options); });

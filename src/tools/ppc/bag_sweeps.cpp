@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bag_sweeps.h"
+
+#include "bag_tilt.h"
+#include "files.h"
+#include "patch_plane_clustering/core/tilt_pose_source.h"
+#include "patch_plane_clustering/ros/range_image_conversions.h"
+
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <sensor_msgs/JointState.h>
+#include <unistd.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <stdexcept>
+
+namespace patch_plane_clustering {
+namespace {
+
+SweepMotion motionNamed(const std::string& name) {
+  return name == "nodding" ? SweepMotion::kNodding : name == "half_turn" ? SweepMotion::kHalfTurn : SweepMotion::kFullTurn;
+}
+
+void addJointSample(const sensor_msgs::JointState& joints, const std::string& joint, TiltTrack& track) {
+  const auto at = std::find(joints.name.begin(), joints.name.end(), joint);
+  const auto index = static_cast<std::size_t>(at - joints.name.begin());
+  if (index < joints.position.size()) track.add(joints.header.stamp.toSec(), joints.position[index]);
+}
+
+LineAccounts assemble(const rosbag::Bag& bag, const BagTilt& tilt, const BagOptions& options,
+                      const std::function<void(const rosbag::MessageInstance&)>& on_message,
+                      const std::function<void(BagSweep&&)>& on_sweep, const std::function<void(double)>& on_progress) {
+  TiltPoseSource poses(tiltAxis(options.axis), TiltTrackOptions{});
+  poses.setMount(tilt.mount);
+  SweepOptions sweep_options = options.sweep;
+  sweep_options.motion = motionNamed(options.motion);
+  ros::Time now;
+  SweepAssembler assembler(sweep_options, poses, [&](Sweep&& sweep) { on_sweep({std::move(sweep), tilt.base_frame, now}); });
+
+  auto next_tilt = tilt.tilts.begin();
+  rosbag::View view(bag);
+  const double messages = view.size();
+  double read = 0.0;
+  for (const rosbag::MessageInstance& message : view) {
+    now = message.getTime();
+    if (on_message) on_message(message);
+    if (message.getTopic() == tilt.joint_states) {
+      if (const auto joints = message.instantiate<sensor_msgs::JointState>()) {
+        addJointSample(*joints, tilt.joint, poses.track());
+        assembler.process();
+      }
+    } else if (message.getTopic() == tilt.scan) {
+      if (const auto scan = message.instantiate<sensor_msgs::LaserScan>()) {
+        ScanLine line = toScanLine(*scan, options.time_offset);
+        // All of /tf was read beforehand: samples up to the end of the line, and one that brackets it.
+        for (bool bracketed = false; next_tilt != tilt.tilts.end() && !bracketed; ++next_tilt) {
+          bracketed = next_tilt->first > line.lastStamp();
+          poses.track().add(next_tilt->first, next_tilt->second);
+        }
+        const std::string fault = faultOf(*scan);
+        if (!fault.empty()) assembler.countDropped(DropCause::kBadScan);
+        if (fault.empty()) assembler.push(std::move(line));
+      }
+    }
+    if (on_progress) on_progress(++read / messages);
+  }
+  assembler.process();
+  assembler.close(SweepEnd::kIdle);
+  return assembler.accounts();
+}
+
+}  // namespace
+
+void BagOptions::addTo(CLI::App& command) {
+  const std::string group = "Sweeps of a bag";
+  const auto add = [&](const char* name, auto& value, const char* text) {
+    return command.add_option(name, value, text)->group(group);
+  };
+  add("--scan", scan, "LaserScan topic (the only one)");
+  add("--joint-states", joint_states, "JointState topic (the only one)");
+  add("--joint", joint, "Tilt joint (the one that moves most)");
+  command.add_flag("--tilt-from-tf", tilt_from_tf, "Take the tilt from /tf, not from joint states")->group(group);
+  add("--axis", axis, "Tilt axis, '-' for the opposite sense")
+      ->check(CLI::IsMember({"roll", "pitch", "yaw", "-roll", "-pitch", "-yaw"}))
+      ->capture_default_str();
+  add("--motion", motion, "Motion of the motor")
+      ->check(CLI::IsMember({"nodding", "half_turn", "full_turn"}))
+      ->capture_default_str();
+  add("--lever-arm", lever_arm, "Laser in the tilting frame, x y z [m] (from /tf)")->expected(3);
+  add("--mount-rpy", mount_rpy, "Rotation of the laser in the tilting frame, roll pitch yaw [rad] (from /tf)")->expected(3);
+  add("--base-frame", base_frame, "Frame of the range images (from /tf)");
+  add("--time-offset", time_offset, "Added to the stamps of scans [s]");
+  add("--turn-hysteresis", sweep.turn_hysteresis, "Way back that makes a turning point [rad]")
+      ->check(CLI::Range(0.0, 3.0))
+      ->capture_default_str();
+  add("--min-lines", sweep.min_lines, "Smaller sweeps are dropped")->check(CLI::Range(1, 100000))->capture_default_str();
+  add("--max-lines", sweep.max_lines, "Longer sweeps are cut")->check(CLI::Range(1, 100000))->capture_default_str();
+}
+
+LineAccounts readSweeps(const std::string& path, const BagOptions& options,
+                        const std::function<void(const rosbag::MessageInstance&)>& on_message,
+                        const std::function<void(BagSweep&&)>& on_sweep, const std::function<void(double)>& on_progress) {
+  requireReadableFile(path);
+  rosbag::Bag bag;
+  BagTilt tilt;
+  try {
+    bag.open(path, rosbag::bagmode::Read);
+    tilt = findTilt(bag, options);
+  } catch (const std::exception& error) {
+    throw std::runtime_error(path + ": " + error.what());
+  }
+  if (!tilt.note.empty()) std::fprintf(stderr, "%s: %s\n", path.c_str(), tilt.note.c_str());
+  LineAccounts accounts;
+  try {
+    accounts = assemble(bag, tilt, options, on_message, on_sweep, on_progress);
+  } catch (const rosbag::BagException& error) {
+    throw std::runtime_error(path + ": " + error.what());
+  }
+  if (accounts.sweeps == 0) {
+    std::string cause = path + ": no sweep in " + std::to_string(accounts.lines_in) + " lines";
+    for (std::size_t i = 0; i < kDropCauses; ++i) {
+      if (accounts.dropped[i] == 0) continue;
+      cause += "; " + std::to_string(accounts.dropped[i]) + " " + dropCauseName(static_cast<DropCause>(i));
+    }
+    throw std::runtime_error(cause);
+  }
+  return accounts;
+}
+
+void showProgress(double share) {
+  static const bool terminal = isatty(STDERR_FILENO) != 0;
+  static int shown = -1;
+  const int percent = static_cast<int>(share * 100.0);
+  if (!terminal || percent == shown) return;
+  shown = percent;
+  const int filled = percent * 40 / 100;
+  std::fprintf(stderr, "\r[%.*s%.*s] %3d %%%s", filled, "########################################", 40 - filled,
+               "                                        ", percent, percent == 100 ? "\n" : "");
+}
+
+}  // namespace patch_plane_clustering
