@@ -119,9 +119,8 @@ class Watcher:
         if self.options.picture:
             cv2.imwrite(self.options.picture, sweep_picture(parts["range_image"], parts["labels"], line))
 
-    def run(self):
-        """Waits until enough sweeps have come; False if they did not come in time."""
-        deadline = time.monotonic() + self.options.timeout
+    def run(self, deadline):
+        """Waits until enough sweeps have come; False if they did not come by the deadline."""
         with self.lock:
             while not rospy.is_shutdown() and len(self.done) < (self.options.sweeps or sys.maxsize):
                 self.lock.wait(0.2)
@@ -152,10 +151,16 @@ def main():
     parser.add_argument("--manager", default="manager", help="name of the nodelet manager")
     parser.add_argument("--picture", help="PNG file, written anew each sweep")
     options = parser.parse_args(rospy.myargv()[1:])
+    deadline = time.monotonic() + options.timeout
+    while not rosgraph.is_master_online():  # init_node would wait for ever
+        time.sleep(0.1)
+        if time.monotonic() > deadline:
+            print(f"no ROS master at {os.environ.get('ROS_MASTER_URI')} within {options.timeout:.0f} s", file=sys.stderr)
+            return 1
     rospy.init_node("watch_sweeps", anonymous=True)
     signal.signal(signal.SIGTERM, lambda *_: rospy.signal_shutdown("told to end"))
     watcher = Watcher(options)
-    in_time = watcher.run()
+    in_time = watcher.run(deadline)
     watcher.summary()
     if not in_time or not watcher.done:
         print(f"{len(watcher.done)} of {options.sweeps or 'any'} sweeps came within {options.timeout:.0f} s", file=sys.stderr)
