@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Prints one line a sweep about the running nodelets, and draws the newest sweep: the range image beside its planes.
 
-Listens to range_image, labels, polygons and statistics in its own namespace. Ends after --sweeps sweeps, or on
+Listens to range_image, segmented_points and statistics in its own namespace. Ends after --sweeps sweeps, or on
 SIGINT or SIGTERM; exit status 1 if nothing came within --timeout seconds.
 """
 import argparse
@@ -19,8 +19,8 @@ import cv2
 import numpy
 import rosgraph
 import rospy
-from patch_plane_clustering.msg import PlanarPolygonArray, RangeImage, SegmentationStatistics
-from sensor_msgs.msg import Image
+from patch_plane_clustering.msg import RangeImage, SegmentationStatistics
+from sensor_msgs.msg import PointCloud2
 
 
 class Process:
@@ -53,19 +53,20 @@ def range_picture(image):
     return picture[:, ::-1]
 
 
-def label_picture(labels):
-    """A colour an id, far apart for ids that follow each other; no plane is black."""
-    ids = numpy.frombuffer(labels.data, numpy.int32).reshape(labels.height, labels.width)
-    numbers = numpy.arange(ids.max() + 1)
-    hsv = numpy.stack([numbers * 0.618034 % 1 * 180, 150 + numbers * 37 % 100, 255 - numbers * 53 % 90], axis=-1)
-    colours = cv2.cvtColor(hsv.astype(numpy.uint8)[None], cv2.COLOR_HSV2BGR)[0]
-    colours[0] = 0
-    return colours[ids][:, ::-1]
+def plane_picture(cloud):
+    """The colours of the segmented cloud, as rviz shows them; grey is no plane, black no measurement."""
+    offsets = {field.name: field.offset for field in cloud.fields}
+    points = numpy.frombuffer(cloud.data, numpy.dtype({
+        "names": ["x", "bgr"], "formats": ["<f4", ("u1", 3)], "offsets": [offsets["x"], offsets["rgb"]],
+        "itemsize": cloud.point_step}))
+    picture = points["bgr"].copy()
+    picture[numpy.isnan(points["x"])] = 0
+    return picture.reshape(cloud.height, cloud.width, 3)[:, ::-1]
 
 
-def sweep_picture(image, labels, caption):
+def sweep_picture(image, cloud, caption):
     """Both pictures side by side, each row as high as the angle it covers, under a caption."""
-    pictures = [range_picture(image), label_picture(labels)]
+    pictures = [range_picture(image), plane_picture(cloud)]
     tilt_span = abs(image.tilts[-1] - image.tilts[0]) if image.height > 1 else 0
     bearing_span = abs(image.bearing_increment) * max(image.width - 1, 1)
     width = 900
@@ -88,7 +89,7 @@ class Watcher:
         self.memory = []
         self.manager = None
         self.cpu_start = None
-        for topic, kind in (("range_image", RangeImage), ("labels", Image), ("polygons", PlanarPolygonArray),
+        for topic, kind in (("range_image", RangeImage), ("segmented_points", PointCloud2),
                             ("statistics", SegmentationStatistics)):
             rospy.Subscriber(topic, kind, self.receive, callback_args=topic)
 
@@ -96,7 +97,7 @@ class Watcher:
         with self.lock:
             parts = self.pending.setdefault(message.header.stamp, {})
             parts[topic] = message
-            if len(parts) == 4:
+            if len(parts) == 3:
                 self.report(parts)
                 for stamp in [stamp for stamp in self.pending if stamp <= message.header.stamp]:
                     del self.pending[stamp]
@@ -117,7 +118,7 @@ class Watcher:
                 f"(compression {numbers.compression:.0f})")
         print(f"{line}, {numbers.total_milliseconds:.1f} ms ({stages}), {memory:.0f} MB", flush=True)
         if self.options.picture:
-            cv2.imwrite(self.options.picture, sweep_picture(parts["range_image"], parts["labels"], line))
+            cv2.imwrite(self.options.picture, sweep_picture(parts["range_image"], parts["segmented_points"], line))
 
     def run(self, deadline):
         """Waits until enough sweeps have come; False if they did not come by the deadline."""
