@@ -127,7 +127,8 @@ ScanLine Scanner::line(int index) const {
     if (mixes && std::isfinite(hit.range)) {
       const Hit other = castBeam(pose, bearing, spot * std::cos(spot_side), spot * std::sin(spot_side));
       const double gap = other.range - hit.range;
-      if (std::isfinite(gap) && std::abs(gap) > kMixedGap) {
+      const bool same_plane = other.plane_id == hit.plane_id && hit.plane_id != 0;
+      if (std::isfinite(gap) && std::abs(gap) > kMixedGap && !same_plane) {
         range += mixing * gap;
         on_surface = mixing * std::abs(gap) <= 3.0 * sensor.noise.sigma(hit.range);
       }

@@ -104,10 +104,10 @@ void SceneBuilder::plant(double x, double y, double height, int leaves) {
   for (int i = 0; i < leaves; ++i) {
     Vector3d p, normal;
     do {
-      p = Vector3d(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+      p = Vector3d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
     } while (p.squaredNorm() > 1.0);
     do {
-      normal = Vector3d(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+      normal = Vector3d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
     } while (normal.squaredNorm() > 1.0 || normal.squaredNorm() < 0.01);
     scene.add(makeDisc(Vector3d(x, y, height - crown) + crown * p, normal, random.uniform(0.02, 0.06)));
   }
@@ -119,8 +119,8 @@ void SceneBuilder::column(double x, double y, double z, double radius, double he
 }
 
 bool SceneBuilder::findPlace(const Vector2d& low, const Vector2d& high, double radius, Vector2d& centre) {
-  for (int attempt = 0; attempt < 60; ++attempt) {
-    centre = {random.uniform(low.x(), high.x()), random.uniform(low.y(), high.y())};
+  for (int attempt = 0; attempt < 300; ++attempt) {
+    centre = Vector2d{random.uniform(low.x(), high.x()), random.uniform(low.y(), high.y())};
     bool free = true;
     for (const Circle& c : taken_) free = free && (c.centre - centre).norm() > c.radius + radius;
     if (!free) continue;

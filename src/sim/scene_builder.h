@@ -8,7 +8,9 @@
 
 namespace patch_plane_clustering::sim {
 
-/// The parts that rooms are made of. World frame: z up, floor at z = 0 [m].
+/// The parts that rooms are made of. Makers draw at most one random number a call expression: C++ leaves the order of
+/// arguments open (that of braced lists is fixed), and the same seed must give the same scene with every compiler. World
+/// frame: z up, floor at z = 0 [m].
 class SceneBuilder {
  public:
   explicit SceneBuilder(std::uint64_t seed) : random(seed) {}

@@ -18,7 +18,7 @@ Scene makeCorridor(std::uint64_t seed) {
         case 0:
         case 1:
         case 2:
-          b.recess(face, {u, 0.0}, {u + door, b.random.uniform(2.0, 2.1)}, b.random.uniform(0.06, 0.25), -1, room.floor_id);
+          b.recess(face, {u, 0.0}, {u + door, 2.05}, b.random.uniform(0.06, 0.25), -1, room.floor_id);
           break;
         case 3:
           b.recess(face, {u, 0.0}, {u + 1.3 * door, 2.2}, b.random.uniform(0.5, 2.5), -1, room.floor_id);
@@ -26,10 +26,11 @@ Scene makeCorridor(std::uint64_t seed) {
         case 4:
           b.panel(face, {u, 1.0}, {u + b.random.uniform(0.8, 1.4), b.random.uniform(1.6, 1.9)}, 0.02);
           break;
-        default:
-          b.panel(face, {u, b.random.chance(0.5) ? 0.0 : 0.9}, {u + b.random.uniform(0.4, 0.9), b.random.uniform(1.2, 1.8)},
-                  b.random.uniform(0.15, 0.3));
+        default: {
+          const double bottom = b.random.chance(0.5) ? 0.0 : 0.9, depth = b.random.uniform(0.15, 0.3);
+          b.panel(face, {u, bottom}, {u + b.random.uniform(0.4, 0.9), b.random.uniform(1.2, 1.8)}, depth);
           break;
+        }
       }
     }
   }
@@ -42,7 +43,8 @@ Scene makeCorridor(std::uint64_t seed) {
   b.standingBox(b.random.uniform(0.4, 0.6) * length, 0.5 * width, room.size.z() - 0.2, 0.0, {0.3, width, 0.2});
   const double x = b.random.uniform(1.2, 2.5);
   b.standingBox(x + 1.5, 0.5 * width, room.size.z() - 0.06, 0.0, {1.2, 0.3, 0.06});
-  return b.finish({x, b.random.uniform(0.4, 0.6) * width, b.random.uniform(1.0, 1.5)}, b.random.uniform(-0.3, 0.3));
+  const double yaw = b.random.uniform(-0.3, 0.3);
+  return b.finish({x, b.random.uniform(0.4, 0.6) * width, b.random.uniform(1.0, 1.5)}, yaw);
 }
 
 }  // namespace patch_plane_clustering::sim

@@ -55,23 +55,25 @@ Scene makeCreases(std::uint64_t seed) {
   b.scene.addPlane(makeRectangle({-1, -1, h}, {w + 2, 0, 0}, {0, 0.5 * d + 1.0, gable}));
   b.scene.addPlane(makeRectangle({-1, d + 1, h}, {w + 2, 0, 0}, {0, -0.5 * d - 1.0, gable}));
 
-  const Eigen::Vector2d sensor(b.random.uniform(0.4, 0.6) * w, b.random.uniform(0.4, 0.6) * d);
+  const Eigen::Vector2d sensor{b.random.uniform(0.25, 0.4) * w, b.random.uniform(0.25, 0.75) * d};
   b.takePlace(sensor, 0.4);
-  // Platforms of 3 to 5 cm, one upon the other.
   Eigen::Vector2d p;
-  if (b.findPlace({1.4, 1.4}, {w - 1.4, d - 1.4}, 0.7, p)) {
-    const double step = b.random.uniform(0.03, 0.05), yaw = b.random.uniform(-0.4, 0.4);
-    b.standingBox(p.x(), p.y(), 0.0, yaw, {1.8, 1.4, step});
-    b.standingBox(p.x(), p.y(), step, yaw, {0.9, 0.8, b.random.uniform(0.03, 0.05)});
-  }
-  if (b.findPlace({1.5, 1.5}, {w - 1.5, d - 1.5}, 1.0, p)) {
+  if (b.findPlace({1.6, 1.4}, {w - 1.6, d - 1.4}, 1.0, p)) {
     const double yaw = b.random.uniform(-M_PI, M_PI);
     addRamp(b,
             Eigen::Translation3d(p.x(), p.y(), 0.0) * Eigen::AngleAxisd(yaw, Vector3d::UnitZ()) *
                 Eigen::Translation3d(-1.1, -0.5, 0.0) * Eigen::Isometry3d::Identity(),
             1.0, b.random.uniform(1.2, 1.6));
   }
-  return b.finish({sensor.x(), sensor.y(), b.random.uniform(1.1, 1.5)}, b.random.uniform(-M_PI, M_PI));
+  // Platforms of 3 to 5 cm, one upon the other.
+  for (int i = b.random.integer(1, 2); i > 0; --i) {
+    if (!b.findPlace({1.2, 1.2}, {w - 1.2, d - 1.2}, 0.75, p)) continue;
+    const double step = b.random.uniform(0.03, 0.05), yaw = b.random.uniform(-M_PI, M_PI);
+    b.standingBox(p.x(), p.y(), 0.0, yaw, {1.5, 1.2, step});
+    b.standingBox(p.x(), p.y(), step, yaw, {0.8, 0.7, b.random.uniform(0.03, 0.05)});
+  }
+  const double height = b.random.uniform(1.1, 1.5);
+  return b.finish({sensor.x(), sensor.y(), height}, b.random.uniform(-M_PI, M_PI));
 }
 
 }  // namespace patch_plane_clustering::sim

@@ -13,12 +13,12 @@ Scene makeCurved(std::uint64_t seed) {
   b.recess(room.walls[0], {door, 0.0}, {door + 0.9, 2.05}, 0.1, -1, room.floor_id);
   b.panel(room.walls[2], {1.0, 1.2}, {2.2, 1.9}, 0.02);
   b.addRoom(room);
-  const Vector2d sensor(b.random.uniform(0.4, 0.6) * w, b.random.uniform(0.4, 0.6) * d);
-  b.takePlace(sensor, 0.5);
+  const Vector2d sensor{b.random.uniform(0.4, 0.6) * w, b.random.uniform(0.4, 0.6) * d};
+  b.takePlace(sensor, 0.6);
 
   // A big round pillar in a corner of the room.
   const double corner = b.random.uniform(0.7, 1.2);
-  const Vector2d at(b.random.chance(0.5) ? 0.0 : w, b.random.chance(0.5) ? 0.0 : d);
+  const Vector2d at{b.random.chance(0.5) ? 0.0 : w, b.random.chance(0.5) ? 0.0 : d};
   b.column(at.x(), at.y(), 0.0, corner, h, false);
   b.takePlace(at, corner);
 
@@ -37,7 +37,8 @@ Scene makeCurved(std::uint64_t seed) {
     if (b.findPlace(low, high, radius + 0.1, p)) b.scene.add(makeSphere({p.x(), p.y(), radius}, radius));
   }
   for (int i = b.random.integer(1, 2); i > 0; --i) {
-    if (b.findPlace(low, high, 0.5, p)) b.plant(p.x(), p.y(), b.random.uniform(0.9, 1.7), b.random.integer(120, 220));
+    const double height = b.random.uniform(0.9, 1.7);
+    if (b.findPlace(low, high, 0.4 * height, p)) b.plant(p.x(), p.y(), height, b.random.integer(120, 220));
   }
   if (b.findPlace(low, high, 0.35, p)) {
     // A person: trunk, head and legs.
@@ -47,12 +48,15 @@ Scene makeCurved(std::uint64_t seed) {
   }
   for (int i = b.random.integer(2, 3); i > 0; --i) {
     if (!b.findPlace(low, high, 0.55, p)) continue;
-    b.standingBox(p.x(), p.y(), 0.0, b.random.uniform(-M_PI, M_PI),
+    const double yaw = b.random.uniform(-M_PI, M_PI);
+    b.standingBox(p.x(), p.y(), 0.0, yaw,
                   {b.random.uniform(0.5, 0.9), b.random.uniform(0.4, 0.7), b.random.uniform(0.5, 1.2)});
   }
   // A pipe under the ceiling.
-  b.scene.add(makeCylinder({0.0, b.random.uniform(0.2, 0.8) * d, h - 0.2}, {w, 0.0, 0.0}, b.random.uniform(0.05, 0.15)));
-  return b.finish({sensor.x(), sensor.y(), b.random.uniform(1.0, 1.4)}, b.random.uniform(-M_PI, M_PI));
+  const double pipe = b.random.uniform(0.05, 0.15);
+  b.scene.add(makeCylinder({0.0, b.random.uniform(0.2, 0.8) * d, h - 0.2}, {w, 0.0, 0.0}, pipe));
+  const double height = b.random.uniform(1.0, 1.4);
+  return b.finish({sensor.x(), sensor.y(), height}, b.random.uniform(-M_PI, M_PI));
 }
 
 }  // namespace patch_plane_clustering::sim

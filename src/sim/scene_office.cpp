@@ -37,7 +37,8 @@ void addDecoratedWall(SceneBuilder& b, SceneBuilder::Room& room, int wall) {
   if (b.random.chance(0.5)) {
     const double width = b.random.uniform(0.8, 1.4), u = b.random.uniform(0.3, length - width - 0.3);
     const double v = b.random.uniform(0.9, 1.1);
-    b.recess(face, {u, v}, {u + width, v + b.random.uniform(0.7, 1.0)}, b.random.uniform(0.15, 0.35), -1, -1);
+    const double depth = b.random.uniform(0.15, 0.35);
+    b.recess(face, {u, v}, {u + width, v + b.random.uniform(0.7, 1.0)}, depth, -1, -1);
     return;
   }
   const int pictures = b.random.integer(1, 2);
@@ -62,7 +63,7 @@ Scene makeOffice(std::uint64_t seed) {
   addDecoratedWall(b, room, (first + 3) % 4);
   b.addRoom(room);
 
-  const Vector2d sensor(b.random.uniform(0.4, 0.6) * w, b.random.uniform(0.4, 0.6) * d);
+  const Vector2d sensor{b.random.uniform(0.4, 0.6) * w, b.random.uniform(0.4, 0.6) * d};
   b.takePlace(sensor, 0.5);
   // Along the walls without a door or windows.
   for (const int wall : {(first + 1) % 4, (first + 3) % 4}) {
@@ -71,7 +72,7 @@ Scene makeOffice(std::uint64_t seed) {
     const double yaw = std::atan2(inward.y(), inward.x()) + M_PI / 2.0;
     const int pieces = b.random.integer(1, 2);
     for (int i = 0; i < pieces; ++i) {
-      const Vector3d size(b.random.uniform(0.8, 1.2), b.random.uniform(0.35, 0.55), b.random.uniform(0.7, 1.9));
+      const Vector3d size{b.random.uniform(0.8, 1.2), b.random.uniform(0.35, 0.55), b.random.uniform(0.7, 1.9)};
       const double slot = face.bounds.max().x() / pieces;
       const Vector3d p = face.pose * Vector3d(i * slot + b.random.uniform(0.6, slot - 0.6), 0.0, 0.5 * size.y() + 0.01);
       if ((p.head<2>() - sensor).norm() < 1.2) continue;
@@ -99,7 +100,8 @@ Scene makeOffice(std::uint64_t seed) {
     // A beam under the ceiling.
     b.standingBox(0.5 * w, b.random.uniform(0.25, 0.75) * d, room.size.z() - 0.25, 0.0, {w, 0.3, 0.25});
   }
-  return b.finish({sensor.x(), sensor.y(), b.random.uniform(1.0, 1.4)}, b.random.uniform(-M_PI, M_PI));
+  const double height = b.random.uniform(1.0, 1.4);
+  return b.finish({sensor.x(), sensor.y(), height}, b.random.uniform(-M_PI, M_PI));
 }
 
 }  // namespace patch_plane_clustering::sim

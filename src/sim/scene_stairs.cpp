@@ -38,8 +38,8 @@ Scene makeStairs(std::uint64_t seed) {
     b.scene.addPlane(makePolygon({start, w, 0.0}, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(), cheek));
   }
   b.scene.add(makeCylinder({start, 0.08, 0.9}, {steps * tread, 0.0, steps * rise}, 0.025));
-  return b.finish({b.random.uniform(0.9, 1.4), b.random.uniform(0.4, 0.6) * width, b.random.uniform(1.1, 1.7)},
-                  b.random.uniform(-0.2, 0.2));
+  const double yaw = b.random.uniform(-0.2, 0.2);
+  return b.finish({b.random.uniform(0.9, 1.4), b.random.uniform(0.4, 0.6) * width, b.random.uniform(1.1, 1.7)}, yaw);
 }
 
 }  // namespace patch_plane_clustering::sim
