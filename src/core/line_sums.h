@@ -51,14 +51,17 @@ class LineSums {
   std::vector<Eigen::Matrix<double, 5, 1>> sums_;
 };
 
+/// @brief The point of a line nearest to `p`.
+inline Eigen::Vector2d foot(const Line& line, const Eigen::Vector2d& p) {
+  return line.point + line.direction.dot(p - line.point) * line.direction;
+}
+
 /// @brief Where two lines meet or, where they are nearly parallel, the middle of the feet of `near` on both.
 inline Eigen::Vector2d meet(const Line& a, const Line& b, const Eigen::Vector2d& near) {
   const double sine = a.direction.x() * b.direction.y() - a.direction.y() * b.direction.x();
   const Eigen::Vector2d offset = b.point - a.point;
   if (std::abs(sine) < 0.2) {
-    const Eigen::Vector2d foot_a = a.point + a.direction.dot(near - a.point) * a.direction;
-    const Eigen::Vector2d foot_b = b.point + b.direction.dot(near - b.point) * b.direction;
-    return 0.5 * (foot_a + foot_b);
+    return 0.5 * (foot(a, near) + foot(b, near));
   }
   const double along = (offset.x() * b.direction.y() - offset.y() * b.direction.x()) / sine;
   return a.point + along * a.direction;

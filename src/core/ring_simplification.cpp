@@ -39,8 +39,10 @@ SimplifiedRing::SimplifiedRing(const OutlinePoint* points, std::size_t size, con
     return;
   }
   chooseCorners();
-  moveOntoLines();
-  dropNeedless();
+  const LineSums sums(points_, n_);
+  mergeStraightEdges(sums);
+  moveOntoLines(sums);
+  keepTolerance();
 }
 
 std::vector<Eigen::Vector2d> SimplifiedRing::positions() const {
@@ -118,15 +120,18 @@ void SimplifiedRing::chooseCorners() {
   }
 }
 
-// The starting points, and corners that a staircase pushed just beyond the tolerance, may lie in the middle of a straight
-// edge.
-void SimplifiedRing::dropNeedless() {
+// The starting points, and corners that a staircase pushed just beyond the tolerance of a chord, may lie in the middle of a
+// straight edge: two edges become one if a single line fits the corners of both.
+void SimplifiedRing::mergeStraightEdges(const LineSums& sums) {
   constexpr double kClose = 0.5;  // square of the share of the tolerance: a straight edge's staircase reaches 0.25
   for (std::size_t i = 0; i < vertices_.size() && vertices_.size() > 3;) {
-    const Vertex& before = vertices_[i == 0 ? vertices_.size() - 1 : i - 1];
-    const Vertex& after = vertices_[next(i)];
-    const std::size_t last = after.corner > before.corner ? after.corner : after.corner + n_;
-    if (farthest(before.corner, last, before.position, after.position).second <= kClose) {
+    const std::size_t first = vertices_[i == 0 ? vertices_.size() - 1 : i - 1].corner;
+    const std::size_t last = vertices_[next(i)].corner;
+    const Line line = sums.fit(first, last);
+    const Eigen::Vector2d from = foot(line, points_[first].point), to = foot(line, points_[last].point);
+    const bool straight = excess(first, from, to) <= kClose && excess(last, from, to) <= kClose &&
+                          farthest(first, last > first ? last : last + n_, from, to).second <= kClose;
+    if (straight) {
       vertices_.erase(vertices_.begin() + static_cast<std::ptrdiff_t>(i));
     } else {
       ++i;
@@ -139,10 +144,9 @@ void SimplifiedRing::putBack(Vertex& vertex) const {
   vertex.moved = false;
 }
 
-void SimplifiedRing::moveOntoLines() {
+void SimplifiedRing::moveOntoLines(const LineSums& sums) {
   const std::size_t m = vertices_.size();
   if (m < 3) return;
-  const LineSums sums(points_, n_);
   std::vector<Line> lines(m);
   for (std::size_t i = 0; i < m; ++i) lines[i] = sums.fit(vertices_[i].corner, vertices_[next(i)].corner);
   for (std::size_t i = 0; i < m; ++i) {
@@ -152,18 +156,17 @@ void SimplifiedRing::moveOntoLines() {
     v.position = target;
     v.moved = true;
   }
-  // The corners in between were within the tolerance of the old edges: an edge that lost one goes back.
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (std::size_t i = 0; i < m; ++i) {
-      Vertex& a = vertices_[i];
-      Vertex& b = vertices_[next(i)];
-      if ((!a.moved && !b.moved) || !(farthest(i).second > 1.0)) continue;
-      putBack(a);
-      putBack(b);
-      changed = true;
+}
+
+// Merging and moving may have taken edges too far from the corners in between.
+void SimplifiedRing::keepTolerance() {
+  std::vector<std::size_t> far;
+  do {
+    far.clear();
+    for (std::size_t i = 0; i < vertices_.size(); ++i) {
+      if (farthest(i).second > 1.0) far.push_back(i);
     }
-  }
+  } while (!far.empty() && refine(far));
 }
 
 bool SimplifiedRing::refine(const std::vector<std::size_t>& edges) {

@@ -17,6 +17,8 @@ struct OutlineTolerance {
   bool none() const { return !(metres > 0.0) && !(pixels > 0.0); }
 };
 
+class LineSums;
+
 /// @brief A closed ring of corners reduced to few vertices.
 ///
 /// Corners are chosen by Douglas & Peucker (1973); each edge is then moved onto the least-squares line through the midpoints
@@ -53,8 +55,9 @@ class SimplifiedRing {
                                           const Eigen::Vector2d& to) const;
   std::pair<std::size_t, double> farthest(std::size_t edge) const;
   void chooseCorners();
-  void moveOntoLines();
-  void dropNeedless();
+  void mergeStraightEdges(const LineSums& sums);
+  void moveOntoLines(const LineSums& sums);
+  void keepTolerance();
   void putBack(Vertex& vertex) const;
 
   const OutlinePoint* points_;
