@@ -35,15 +35,22 @@ end_all() {
 # Why a background process failed: the end of its log.
 log_tail() { sed 's/\x1b\[[0-9;]*m//g; s/^/    /' "$output/log/$1.log" | tail -n "${2:-20}" >&2; }
 
+# Installs, builds and starts a roscore.
 begin_session() {
+  "$root/scripts/setup"
+  say "building (some minutes the first time, seconds later)"
   mkdir -p "$output/log"
+  rm -f "$output"/*.png
+  "$root/scripts/build" >"$output/log/build.log" 2>&1 || { log_tail build 40; die "the build failed"; }
   export ROS_HOME=$output/log
-  ROS_MASTER_URI=http://${ROS_HOSTNAME:-${ROS_IP:-}}:$(/usr/bin/python3 -c 'import socket; s = socket.socket(); s.bind(("", 0)); print(s.getsockname()[1])')
-  export ROS_MASTER_URI
   source_workspace "$root/build"
   trap end_all EXIT
   trap 'exit 130' INT
   trap 'exit 143' TERM
+  local port
+  port=$(/usr/bin/python3 -c 'import socket; s = socket.socket(); s.bind(("", 0)); print(s.getsockname()[1])')
+  export ROS_MASTER_URI=http://${ROS_HOSTNAME:-${ROS_IP:-}}:$port
+  start roscore roscore -p "$port"
 }
 
 # Sets `screen` to a display without a monitor.
@@ -67,17 +74,21 @@ start_rviz() {
     roslaunch --wait patch_plane_clustering view.launch
 }
 
-# watch_with LAUNCH_PID ARG...: the lines of watch_sweeps.py, as long as the launch lives.
+# watch_with LAUNCH_PID ARG...: the lines of watch_sweeps.py, until it ends or the launch does. Sets `ended_first` to watcher or
+# launch; the status is the watcher's.
 watch_with() {
-  local launch=$1 first=0 status=0
+  local launch=$1 first='' status=0
   shift
   "$root/scripts/watch_sweeps.py" "$@" </dev/null &
   local watcher=$!
   started+=("$watcher")
   wait -n -p first "$watcher" "$launch" || status=$?
+  ended_first=watcher
   if [[ $first == "$launch" ]]; then
+    # shellcheck disable=SC2034
+    ended_first=launch status=0
     end "$watcher"
-    return 3
+    wait "$watcher" || status=$?
   fi
   return "$status"
 }
