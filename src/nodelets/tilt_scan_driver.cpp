@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/ros/driver_diagnostics.h"
+#include "patch_plane_clustering/ros/driver_options.h"
+#include "patch_plane_clustering/ros/laser_poses.h"
+#include "patch_plane_clustering/ros/range_image_conversions.h"
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <nodelet/nodelet.h>
+#include <sensor_msgs/JointState.h>
+#include <std_srvs/Trigger.h>
+#include <tf2_ros/transform_listener.h>
+#include <algorithm>
+#include <memory>
+#include <pluginlib/class_list_macros.hpp>
+
+namespace patch_plane_clustering {
+
+/// Line scans and the tilt motor's angle in, organised range images out. All callbacks run in the nodelet's single-threaded
+/// queue; only tf has a thread of its own.
+class TiltScanDriver : public nodelet::Nodelet {
+ public:
+  ~TiltScanDriver() override {
+    // Each of these waits for its callback in flight.
+    scan_sub_.shutdown();
+    joint_sub_.shutdown();
+    close_service_.shutdown();
+    housekeeping_.stop();
+    diagnostics_timer_.stop();
+  }
+
+ private:
+  void onInit() override {
+    ros::NodeHandle nh = getNodeHandle();
+    ParameterReader reader(getPrivateNodeHandle());
+    options_ = readDriverOptions(reader);
+    reader.expect("diagnostic_period");
+    for (const std::string& sentence : reader.unknown()) {
+      NODELET_WARN_STREAM(sentence);
+      unknown_ += (unknown_.empty() ? "" : "; ") + sentence;
+    }
+    for (const std::string& sentence : reader.errors()) NODELET_ERROR_STREAM(sentence);
+
+    last_report_ = last_scan_ = last_joint_ = last_sweep_ = ros::WallTime::now();
+    updater_ = std::make_unique<diagnostic_updater::Updater>(nh, getPrivateNodeHandle(), getName());
+    updater_->setHardwareID("none");
+    updater_->add("tilt scan driver", this, &TiltScanDriver::diagnose);
+    // Wall time, and forced: with simulated time and a clock that stands the driver still reports.
+    diagnostics_timer_ = nh.createWallTimer(ros::WallDuration(1.0), [this](const auto&) { updater_->force_update(); });
+    if (!reader.errors().empty()) {
+      refusal_ = "not running: " + reader.errors().front();
+      NODELET_ERROR("The driver does not run with bad parameters");
+      return;
+    }
+
+    if (LaserPoses::needsTf(options_)) {
+      tf_buffer_ = std::make_unique<tf2_ros::Buffer>();
+      tf_listener_ = std::make_unique<tf2_ros::TransformListener>(*tf_buffer_, nh);
+    }
+    poses_ = std::make_unique<LaserPoses>(options_, tf_buffer_.get());
+    if (!options_.laser_frame.empty()) poses_->setLaserFrame(options_.laser_frame);
+    assembler_ = std::make_unique<SweepAssembler>(options_.sweep, *poses_, [this](Sweep&& sweep) { publish(sweep); });
+
+    image_pub_ = nh.advertise<RangeImageMsg>("range_image", 2);
+    points_pub_ = nh.advertise<sensor_msgs::PointCloud2>("points", 2);
+    radial_pub_ = nh.advertise<sensor_msgs::Image>("range_image/image", 2);
+    close_service_ = nh.advertiseService("close_sweep", &TiltScanDriver::closeSweep, this);
+    housekeeping_ = nh.createWallTimer(ros::WallDuration(0.05), [this](const auto&) { keepHouse(); });
+    const auto no_delay = ros::TransportHints().tcpNoDelay();
+    if (poses_->joint()) joint_sub_ = nh.subscribe("joint_states", 500, &TiltScanDriver::onJoint, this, no_delay);
+    scan_sub_ = nh.subscribe("scan", 200, &TiltScanDriver::onScan, this, no_delay);
+  }
+
+  void onScan(const sensor_msgs::LaserScanConstPtr& scan) {
+    ++health_.scans;
+    last_scan_ = ros::WallTime::now();
+    const std::string& id = scan->header.frame_id;
+    const std::string frame = !id.empty() && id[0] == '/' ? id.substr(1) : id;
+    std::string fault = frame.empty() ? "frame_id is empty" : faultOf(*scan);
+    if (fault.empty() && poses_->laserFrame().empty()) poses_->setLaserFrame(frame);
+    if (fault.empty() && frame != poses_->laserFrame()) {
+      fault = "frame_id '" + frame + "' is not '" + poses_->laserFrame() + "'";
+    }
+    if (fault.empty()) {
+      if (first_scan_.isZero()) first_scan_ = last_scan_;
+      const std::uint64_t layout_changes = assembler_->accounts().layout_changes;
+      fault = assembler_->push(toScanLine(*scan, options_.time_offset));
+      if (assembler_->accounts().layout_changes > layout_changes) {
+        NODELET_WARN_THROTTLE(5.0, "The scan's layout changed: a new sweep begins");
+      }
+    } else {
+      assembler_->countDropped(DropCause::kBadScan);
+    }
+    if (fault.empty()) return;
+    health_.last_fault = "bad scan: " + fault;
+    NODELET_WARN_STREAM_THROTTLE(5.0, "Scan skipped: " << fault);
+  }
+
+  void onJoint(const sensor_msgs::JointStateConstPtr& message) {
+    const auto found = std::find(message->name.begin(), message->name.end(), options_.joint_name);
+    if (found == message->name.end()) return;  // another joint's
+    ++health_.joint_samples;
+    last_joint_ = ros::WallTime::now();
+    const auto index = static_cast<std::size_t>(found - message->name.begin());
+    if (message->position.size() != message->name.size() || message->header.stamp.isZero()) {
+      ++health_.bad_joint_messages;
+      health_.last_fault =
+          message->header.stamp.isZero() ? "joint sample without stamp" : "as many joint positions as names expected";
+      NODELET_WARN_STREAM_THROTTLE(5.0, "Joint message skipped: " << health_.last_fault);
+      return;
+    }
+    poses_->joint()->track().add(message->header.stamp.toSec(), message->position[index]);
+    placeLines();
+  }
+
+  void placeLines() {
+    const bool late = !first_scan_.isZero() && (ros::WallTime::now() - first_scan_).toSec() > options_.mount_timeout;
+    const std::string settled = poses_->settleMount(late);
+    if (!settled.empty()) NODELET_INFO_STREAM("The " << settled);
+    assembler_->process();
+  }
+
+  void keepHouse() {
+    placeLines();
+    const bool idle = (ros::WallTime::now() - last_scan_).toSec() > options_.idle_timeout;
+    if (idle && assembler_->openLines() > 0) assembler_->close(SweepEnd::kIdle);
+  }
+
+  bool closeSweep(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+    const int open = assembler_->openLines();
+    const int rows = assembler_->close(SweepEnd::kRequest);
+    response.success = rows > 0;
+    response.message = rows > 0   ? "sweep of " + std::to_string(rows) + " lines closed"
+                       : open > 0 ? "sweep of " + std::to_string(open) + " lines dropped: too small"
+                                  : "no sweep is open";
+    return true;
+  }
+
+  void publish(const Sweep& sweep) {
+    last_sweep_ = ros::WallTime::now();
+    std_msgs::Header header;
+    header.stamp = toTime(sweep.stamp);
+    header.frame_id = options_.base_frame;
+    NODELET_DEBUG("Sweep of %d lines, ended by %s", sweep.image.rows, sweepEndName(sweep.end));
+    if (image_pub_.getNumSubscribers() > 0) {
+      image_pub_.publish(boost::make_shared<RangeImageMsg>(toMessage(sweep.image, header)));
+    }
+    if (points_pub_.getNumSubscribers() > 0) {
+      points_pub_.publish(boost::make_shared<sensor_msgs::PointCloud2>(toPointCloud(sweep.image, header)));
+    }
+    if (radial_pub_.getNumSubscribers() > 0) {
+      radial_pub_.publish(boost::make_shared<sensor_msgs::Image>(toRadialImage(sweep.image, header)));
+    }
+  }
+
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+    if (!assembler_) return status.summary(diagnostic_msgs::DiagnosticStatus::ERROR, refusal_);
+    const ros::WallTime now = ros::WallTime::now();
+    health_.joint_name = options_.joint_name;
+    health_.scan_age = (now - last_scan_).toSec();
+    health_.joint_age = (now - last_joint_).toSec();
+    health_.sweep_age = (now - last_sweep_).toSec();
+    health_.standing = assembler_->standing();
+    health_.lines = assembler_->accounts();
+    if (const TiltPoseSource* joint = poses_->joint()) {
+      health_.track = joint->track().counts();
+      if (joint->mount()) health_.mount = describeMount(*joint->mount());
+    }
+    if (!unknown_.empty()) status.add("Unknown parameters", unknown_);
+    diagnostics_.write(health_, (now - last_report_).toSec(), status);
+    last_report_ = now;
+    health_.last_fault.clear();
+  }
+
+  DriverOptions options_;
+  std::string refusal_;  // why the driver does not run
+  std::string unknown_;  // parameters that nobody knows
+
+  // Each uses those above it.
+  std::unique_ptr<tf2_ros::Buffer> tf_buffer_;
+  std::unique_ptr<tf2_ros::TransformListener> tf_listener_;
+  std::unique_ptr<LaserPoses> poses_;
+  std::unique_ptr<SweepAssembler> assembler_;
+
+  DriverHealth health_;
+  DriverDiagnostics diagnostics_;
+  std::unique_ptr<diagnostic_updater::Updater> updater_;
+  ros::WallTime first_scan_, last_scan_, last_joint_, last_sweep_, last_report_;
+
+  ros::Publisher image_pub_, points_pub_, radial_pub_;
+  ros::ServiceServer close_service_;
+  ros::Subscriber scan_sub_, joint_sub_;
+  ros::WallTimer housekeeping_, diagnostics_timer_;
+};
+
+}  // namespace patch_plane_clustering
+
+PLUGINLIB_EXPORT_CLASS(patch_plane_clustering::TiltScanDriver, nodelet::Nodelet)
