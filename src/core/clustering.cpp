@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <map>
 #include <utility>
 
 namespace patch_plane_clustering {
@@ -12,10 +11,6 @@ namespace {
 
 constexpr int kMinPatchPoints = 6;
 
-constexpr double kWholeTolerance = 2.5;  // tolerance over a whole cluster over that from patch to patch
-constexpr double kStepTolerance = 1.25;  // tolerance of a step along the border of two clusters, likewise
-constexpr double kMaxRadius = 0.5;       // [m]
-constexpr int kBorderSteps = 2;          // depth of a border in patches
 
 // Root mean square distance of the points from their mean [m].
 double radius(const Moments& m) {
@@ -26,38 +21,6 @@ double radius(const Moments& m) {
 
 double excess(const Moments& a, const PlaneFit& fit_a, const Moments& b, const PlaneFit& fit_b) {
   return fitPlane(a + b).chi2 - fit_a.chi2 - fit_b.chi2;
-}
-
-// Moments of the patches of a cluster within a few steps of its given border patches.
-Moments nearBorder(const PatchGrid& grid, const std::vector<int>& cluster_of, int cluster, std::vector<int> patches) {
-  std::sort(patches.begin(), patches.end());
-  patches.erase(std::unique(patches.begin(), patches.end()), patches.end());
-  for (int step = 0; step < kBorderSteps; ++step) {
-    const std::size_t end = patches.size();
-    for (std::size_t k = 0; k < end; ++k) {
-      grid.forEachNeighbour(patches[k], [&](int j) {
-        if (cluster_of[j] == cluster) patches.push_back(j);
-      });
-    }
-    std::sort(patches.begin(), patches.end());
-    patches.erase(std::unique(patches.begin(), patches.end()), patches.end());
-  }
-  Moments sum;
-  for (const int i : patches) sum += grid.patches[i].moments;
-  return sum;
-}
-
-// Gaussian similarity of two strips along a common border: how far apart they lie across the joint plane. The strips' own
-// slopes are left out, for a tilted plane would pass through any step.
-double continuity(const Moments& a, const Moments& b, const PlaneFit& joint, const NoiseModel& noise,
-                  const CoplanarityTolerance& tolerance) {
-  const Eigen::Vector3d mean_a = a.mean(), mean_b = b.mean();
-  const double gap = joint.normal().dot(mean_a - mean_b);
-  const double range = 0.5 * (mean_a.norm() + mean_b.norm());
-  const double sigma = noise.sigma(range);
-  const double variance = sigma * sigma / secantSquared(joint.a, range) * (1.0 / a.n + 1.0 / b.n) * tolerance.inflation;
-  const double step = kStepTolerance * tolerance.sigma_distance;
-  return std::exp(-0.5 * gap * gap / (variance + step * step));
 }
 
 }  // namespace
@@ -155,59 +118,6 @@ PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const
     out.clusters.push_back(std::move(cluster));
   }
   return out;
-}
-
-void mergeClusters(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
-                   PatchClusters& clusters) {
-  // Over a whole wall the tolerance is wider than from patch to patch (walls bow), but where two clusters meet they must agree.
-  CoplanarityTolerance whole = tolerance;
-  whole.sigma_distance *= kWholeTolerance;
-  const auto similarityOf = [&](const Moments& a, const Moments& b, const CoplanarityTolerance& allowed) {
-    const Moments& small = a.n < b.n ? a : b;
-    const PlaneFit joint = fitPlane(a + b);
-    const double range = small.mean().norm();
-    const double sigma = noise.sigma(range);
-    return similarity(joint.chi2 - fitPlane(a).chi2 - fitPlane(b).chi2, small.n / (sigma * sigma),
-                      std::min(radius(small), kMaxRadius), secantSquared(joint.a, range), allowed);
-  };
-  while (true) {
-    std::map<std::pair<int, int>, std::pair<std::vector<int>, std::vector<int>>> borders;
-    for (int i = 0; i < static_cast<int>(grid.patches.size()); ++i) {
-      const int a = clusters.cluster_of[i];
-      if (a < 0) continue;
-      grid.forEachNeighbour(i, [&](int j) {
-        const int b = clusters.cluster_of[j];
-        if (b <= a) return;
-        auto& border = borders[{a, b}];
-        border.first.push_back(i);
-        border.second.push_back(j);
-      });
-    }
-    std::vector<std::pair<double, std::pair<int, int>>> candidates;
-    for (const auto& [pair, border] : borders) {
-      const double s = similarityOf(clusters.clusters[pair.first].moments, clusters.clusters[pair.second].moments, whole);
-      if (s < threshold) continue;
-      const Moments here = nearBorder(grid, clusters.cluster_of, pair.first, border.first);
-      const Moments there = nearBorder(grid, clusters.cluster_of, pair.second, border.second);
-      const PlaneFit joint = fitPlane(clusters.clusters[pair.first].moments + clusters.clusters[pair.second].moments);
-      if (continuity(here, there, joint, noise, tolerance) >= threshold) candidates.push_back({-s, pair});
-    }
-    if (candidates.empty()) return;
-    std::sort(candidates.begin(), candidates.end());
-    std::vector<bool> changed(clusters.clusters.size(), false);
-    for (const auto& candidate : candidates) {
-      const auto [a, b] = candidate.second;
-      if (changed[a] || changed[b]) continue;
-      changed[a] = changed[b] = true;
-      Cluster& into = clusters.clusters[a];
-      Cluster& from = clusters.clusters[b];
-      into.moments += from.moments;
-      into.fit = fitPlane(into.moments);
-      for (const int i : from.patches) clusters.cluster_of[i] = a;
-      into.patches.insert(into.patches.end(), from.patches.begin(), from.patches.end());
-      from = Cluster();
-    }
-  }
 }
 
 }  // namespace patch_plane_clustering

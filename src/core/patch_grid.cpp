@@ -53,12 +53,12 @@ Eigen::Vector3d sensorCenter(const BeamGrid& grid) {
   return sum / grid.rows;
 }
 
-void sumPatch(const BeamGrid& grid, const Eigen::Vector3d& center, Patch& patch) {
+void sumPatch(const BeamGrid& grid, const Eigen::Vector3d& center, const LabelImage* done, Patch& patch) {
   double ranges = 0.0;
   for (int r = patch.row_begin; r < patch.row_end; ++r) {
     for (int c = patch.col_begin; c < patch.col_end; ++c) {
       const int i = grid.index(r, c);
-      if (!grid.valid(i)) continue;
+      if (!grid.valid(i) || (done != nullptr && done->labels[i] > 0)) continue;
       const Eigen::Vector3d p = grid.point(i).cast<double>() - center;
       const double range = grid.range[i];
       patch.moments.add(p.x(), p.y(), p.z(), range * range);
@@ -70,7 +70,7 @@ void sumPatch(const BeamGrid& grid, const Eigen::Vector3d& center, Patch& patch)
 
 }  // namespace
 
-PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle) {
+PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, const LabelImage* done) {
   PatchGrid out;
   out.rows = grid.rows;
   out.cols = grid.cols;
@@ -94,7 +94,7 @@ PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle) 
       patch.row_end = std::min(r + out.strip_rows.back(), grid.rows);
       patch.col_begin = s * patch_size;
       patch.col_end = std::min(patch.col_begin + patch_size, grid.cols);
-      sumPatch(grid, out.center, patch);
+      sumPatch(grid, out.center, done, patch);
       out.patches.push_back(patch);
     }
     out.strip_begin.push_back(static_cast<int>(out.patches.size()));

@@ -73,10 +73,11 @@ LabelImage emptyLabels(const BeamGrid& grid) {
 // Resolves the points of one patch among candidate clusters.
 class PatchResolver {
  public:
-  PatchResolver(const BeamGrid& grid, const PatchGrid& patches, const PatchClusters& clusters, const PlaneResiduals& residuals)
-      : grid_(grid), patches_(patches), clusters_(clusters), residuals_(residuals) {}
+  PatchResolver(const BeamGrid& grid, const PatchGrid& patches, const std::vector<Eigen::Vector3d>& planes,
+                const PlaneResiduals& residuals)
+      : grid_(grid), patches_(patches), planes_(planes), residuals_(residuals) {}
 
-  void resolve(const Patch& patch, const std::vector<int>& candidates, LabelImage& out) {
+  void resolve(const Patch& patch, const std::vector<std::int32_t>& candidates, LabelImage& out) {
     const int strip = patch.col_begin / patches_.strip_cols;
     const int reach_rows = std::max(1, patches_.strip_rows[strip] / patches_.strip_cols);
     const int top = std::max(0, patch.row_begin - reach_rows), bottom = std::min(grid_.rows, patch.row_end + reach_rows);
@@ -85,8 +86,8 @@ class PatchResolver {
     const std::size_t size = static_cast<std::size_t>(bottom - top) * width;
     best_.assign(size, kMaxWindowCost);
     winner_.assign(size, 0);
-    for (const int candidate : candidates) {
-      const Eigen::Vector3f a = clusters_.clusters[candidate].fit.a.cast<float>();
+    for (const std::int32_t candidate : candidates) {
+      const Eigen::Vector3f a = planes_[candidate].cast<float>();
       cost_.assign(size, -1.0F);
       own_.assign(size, 0.0F);
       for (int r = top; r < bottom; ++r) {
@@ -116,7 +117,7 @@ class PatchResolver {
           const float mean = sum / static_cast<float>(n);
           if (mean < best_[at]) {
             best_[at] = mean;
-            winner_[at] = candidate + 1;
+            winner_[at] = candidate;
           }
         }
       }
@@ -131,7 +132,7 @@ class PatchResolver {
  private:
   const BeamGrid& grid_;
   const PatchGrid& patches_;
-  const PatchClusters& clusters_;
+  const std::vector<Eigen::Vector3d>& planes_;
   const PlaneResiduals& residuals_;
   std::vector<float> cost_, own_, best_;
   std::vector<std::int32_t> winner_;
@@ -147,36 +148,53 @@ LabelImage patchLabels(const BeamGrid& grid, const PatchGrid& patches, const Pat
   return out;
 }
 
-LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& patches, const PatchClusters& clusters, const NoiseModel& noise,
+LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const LabelImage& labels,
+                        const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
                         const CoplanarityTolerance& tolerance) {
   LabelImage out = emptyLabels(grid);
-  const PlaneResiduals residuals(grid, patches.center, noise, tolerance);
-  PatchResolver resolver(grid, patches, clusters, residuals);
-  std::vector<int> around, candidates;
-  for (int p = 0; p < static_cast<int>(patches.patches.size()); ++p) {
-    const Patch& patch = patches.patches[p];
-    if (patch.moments.n == 0) continue;
-    const int own = clusters.cluster_of[p];
-    bool inside = own >= 0;
-    patches.forEachNeighbour(p, [&](int j) { inside = inside && clusters.cluster_of[j] == own; });
+  const PlaneResiduals residuals(grid, cells.center, noise, tolerance);
+  PatchResolver resolver(grid, cells, planes, residuals);
+
+  std::vector<std::vector<std::int32_t>> seen(cells.patches.size());  // labels in each cell; 0 if some pixel has none
+  for (std::size_t k = 0; k < cells.patches.size(); ++k) {
+    const Patch& cell = cells.patches[k];
+    for (int r = cell.row_begin; r < cell.row_end; ++r) {
+      for (int c = cell.col_begin; c < cell.col_end; ++c) {
+        const int i = grid.index(r, c);
+        if (!grid.valid(i)) continue;
+        const std::int32_t label = labels.labels[i];
+        if (std::find(seen[k].begin(), seen[k].end(), label) == seen[k].end()) seen[k].push_back(label);
+      }
+    }
+  }
+  std::vector<int> around;
+  std::vector<std::int32_t> candidates;
+  for (int k = 0; k < static_cast<int>(cells.patches.size()); ++k) {
+    if (seen[k].empty()) continue;
+    const Patch& cell = cells.patches[k];
+    const std::int32_t own = seen[k].size() == 1 ? seen[k].front() : 0;
+    bool inside = own > 0;
+    cells.forEachNeighbour(k, [&](int j) { inside = inside && seen[j].size() <= 1 && (seen[j].empty() || seen[j][0] == own); });
     if (inside) {
-      const Eigen::Vector3f a = clusters.clusters[own].fit.a.cast<float>();
-      for (int r = patch.row_begin; r < patch.row_end; ++r) {
-        for (int c = patch.col_begin; c < patch.col_end; ++c) {
+      const Eigen::Vector3f a = planes[own].cast<float>();
+      for (int r = cell.row_begin; r < cell.row_end; ++r) {
+        for (int c = cell.col_begin; c < cell.col_end; ++c) {
           const int i = grid.index(r, c);
-          if (grid.valid(i) && residuals(i, a).z2 <= kMaxOwnResidual) out.labels[i] = own + 1;
+          if (grid.valid(i) && residuals(i, a).z2 <= kMaxOwnResidual) out.labels[i] = own;
         }
       }
       continue;
     }
-    neighbourhood(patches, p, around);
+    neighbourhood(cells, k, around);
     candidates.clear();
     for (const int j : around) {
-      if (clusters.cluster_of[j] >= 0) candidates.push_back(clusters.cluster_of[j]);
+      for (const std::int32_t label : seen[j]) {
+        if (label > 0) candidates.push_back(label);
+      }
     }
     std::sort(candidates.begin(), candidates.end());
     candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
-    if (!candidates.empty()) resolver.resolve(patch, candidates, out);
+    if (!candidates.empty()) resolver.resolve(cell, candidates, out);
   }
   return out;
 }

@@ -6,6 +6,7 @@
 #include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/patch_grid.h"
 #include "patch_plane_clustering/core/refinement.h"
+#include "patch_plane_clustering/core/region_merging.h"
 #include "patch_plane_clustering/core/region_statistics.h"
 
 #include <algorithm>
@@ -28,6 +29,36 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+std::vector<Eigen::Vector3d> labelPlanes(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise,
+                                         const LabelImage& labels) {
+  std::vector<Eigen::Vector3d> planes;
+  for (const Moments& m : labelMoments(grid, cells, noise, labels)) planes.push_back(fitPlane(m).a);
+  return planes;
+}
+
+// Regions too thin for any patch to fit inside: smaller patches of what the first pass left over.
+void addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, const Config& config,
+                     LabelImage& labels) {
+  PatchGrid patches = makePatchGrid(grid, std::max(2, (config.patch_size + 2) / 2), true, &labels);
+  weighPatches(noise, patches);
+  gatePatches(noise, tolerance, patches);
+  const PatchClusters clusters = growClusters(patches, noise, tolerance, config.similarity_threshold);
+  std::int32_t next = 1 + *std::max_element(labels.labels.begin(), labels.labels.end());
+  for (const Cluster& cluster : clusters.clusters) {
+    if (cluster.moments.n < config.min_size / 4) continue;
+    for (const int k : cluster.patches) {
+      const Patch& patch = patches.patches[k];
+      for (int r = patch.row_begin; r < patch.row_end; ++r) {
+        for (int c = patch.col_begin; c < patch.col_end; ++c) {
+          const int i = grid.index(r, c);
+          if (grid.valid(i) && labels.labels[i] == 0) labels.labels[i] = next;
+        }
+      }
+    }
+    ++next;
+  }
+}
+
 }  // namespace
 
 LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vector<StageTime>* stages) {
@@ -47,15 +78,23 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vecto
   gatePatches(noise, tolerance, patches);
   lap("fits");
 
-  PatchClusters clusters = growClusters(patches, noise, tolerance, config.similarity_threshold);
+  LabelImage labels = patchLabels(grid, patches, growClusters(patches, noise, tolerance, config.similarity_threshold));
   lap("clustering");
-  mergeClusters(patches, noise, tolerance, config.similarity_threshold, clusters);
+  mergeLabels(grid, patches, noise, tolerance, config.similarity_threshold, labels);
   lap("merging");
-
-  LabelImage labels = config.refine ? refineLabels(grid, patches, clusters, noise, tolerance)
-                                    : patchLabels(grid, patches, clusters);
+  if (config.refine) {
+    labels = refineLabels(grid, patches, labels, labelPlanes(grid, patches, noise, labels), noise, tolerance);
+    lap("refinement");
+    if (config.second_pass) {
+      addSmallRegions(grid, noise, tolerance, config, labels);
+      lap("second pass");
+      mergeLabels(grid, patches, noise, tolerance, config.similarity_threshold, labels);
+      labels = refineLabels(grid, patches, labels, labelPlanes(grid, patches, noise, labels), noise, tolerance);
+      lap("second refinement");
+    }
+  }
   splitComponents(2 * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols), 2, labels);
-  lap("refinement");
+  lap("components");
   dropCurvedRegions(grid, noise, tolerance, config.max_turn, labels);
   lap("curvature");
   return labels;

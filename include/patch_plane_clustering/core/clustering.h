@@ -37,8 +37,4 @@ double estimateInflation(const PatchGrid& grid);
 PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
                            double threshold);
 
-/// @brief Merges touching clusters whose planes are similar, most similar first.
-void mergeClusters(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
-                   PatchClusters& clusters);
-
 }  // namespace patch_plane_clustering

@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/beam_grid.h"
 #include "patch_plane_clustering/core/moments.h"
+#include "patch_plane_clustering/core/segmentation.h"
 
 #include <algorithm>
 #include <vector>
@@ -44,7 +45,8 @@ struct PatchGrid {
 
 /// @brief Cuts the grid into patches and sums their moments with unit noise: w = r^2.
 /// @param equal_angle false: square k x k patches, as in the paper.
-PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle);
+/// @param done if given, pixels with a label there are left out of the moments.
+PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, const LabelImage* done = nullptr);
 
 template <typename F>
 void PatchGrid::forEachNeighbour(int index, F&& f) const {

@@ -10,11 +10,14 @@ namespace patch_plane_clustering {
 /// @brief Labels of the pixels of clustered patches: cluster index + 1, 0 elsewhere.
 LabelImage patchLabels(const BeamGrid& grid, const PatchGrid& patches, const PatchClusters& clusters);
 
-/// @brief Point-wise labels: patches inside a cluster keep its label, all others are resolved point by point.
+/// @brief Resolves labels point by point, as sharp as the image: cells inside a region keep its label, in all others the
+/// planes seen in and near the cell compete for each point.
 ///
-/// Each candidate plane near a point predicts its range; the likeliest plane wins. The evidence is averaged over a small window
-/// (the likelihood of single points overlaps at high noise), outliers capped. Points that no plane explains get 0.
-LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& patches, const PatchClusters& clusters, const NoiseModel& noise,
+/// Each candidate plane predicts the point's range; the likeliest plane wins. The evidence is averaged over a small window
+/// (the likelihoods of single points overlap at high noise), outliers capped. Points that no plane explains get 0.
+/// @param cells blocks of pixels; @param labels index into `planes`, 0 = none. @param planes a of each label (moments.h).
+LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const LabelImage& labels,
+                        const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
                         const CoplanarityTolerance& tolerance);
 
 /// @brief Splits labels into pieces that are connected in the image. Gaps of up to `gap_cols` columns or `gap_rows` rows are
