@@ -26,6 +26,7 @@ std::string list(const std::vector<std::string>& names) {
 
 std::string range(const char* what, double min, double max) {
   std::ostringstream text;
+  text.precision(10);  // 1000000, not 1e+06
   text << what << " in [" << min << ", " << max << "]";
   return text.str();
 }

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/baselines/plane_segmenter.h"
+#include "patch_plane_clustering/ros/markers.h"
+#include "patch_plane_clustering/ros/newest_worker.h"
+#include "patch_plane_clustering/ros/parameters.h"
+#include "patch_plane_clustering/ros/range_image_conversions.h"
+#include "patch_plane_clustering/ros/reconfiguration.h"
+#include "patch_plane_clustering/ros/segmentation_conversions.h"
+
+#include <dynamic_reconfigure/server.h>
+#include <nodelet/nodelet.h>
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <pluginlib/class_list_macros.hpp>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace patch_plane_clustering {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double millisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// What came in: one of the two messages, and when.
+struct Arrival {
+  RangeImageMsg::ConstPtr image;
+  sensor_msgs::PointCloud2::ConstPtr cloud;
+  Clock::time_point time = Clock::now();
+
+  const std_msgs::Header& header() const { return image ? image->header : cloud->header; }
+};
+
+}  // namespace
+
+/// @brief Turns range images or organised clouds into planar polygons. Callbacks only hand messages over; a worker thread
+/// segments the newest. A message keeps the configuration that it started with.
+class PatchPlaneClustering : public nodelet::Nodelet {
+ public:
+  ~PatchPlaneClustering() override {
+    image_subscriber_.shutdown();  // returns when no callback runs any more
+    cloud_subscriber_.shutdown();
+    server_.reset();
+    worker_.reset();
+  }
+
+ private:
+  using Server = dynamic_reconfigure::Server<PatchPlaneClusteringConfig>;
+
+  void onInit() override {
+    ros::NodeHandle& nh = getNodeHandle();
+    ros::NodeHandle& private_nh = getPrivateNodeHandle();
+    readParameters(private_nh);
+
+    polygons_publisher_ = nh.advertise<PlanarPolygonArray>("polygons", 2);
+    markers_publisher_ = nh.advertise<visualization_msgs::MarkerArray>("polygons/markers", 2);
+    labels_publisher_ = nh.advertise<sensor_msgs::Image>("labels", 2);
+    points_publisher_ = nh.advertise<sensor_msgs::PointCloud2>("segmented_points", 2);
+    statistics_publisher_ = nh.advertise<SegmentationStatistics>("statistics", 2);
+    worker_ = std::make_unique<NewestWorker<Arrival>>([this](const Arrival& arrival) { process(arrival); });
+
+    server_ = std::make_unique<Server>(server_mutex_, private_nh);
+    server_->updateConfig(toReconfigurable(*config()));  // it has clamped bad parameters; these are as reported
+    server_->setCallback([this](PatchPlaneClusteringConfig& update, std::uint32_t) { reconfigure(update); });
+
+    image_subscriber_ = nh.subscribe<RangeImageMsg>("range_image", 2, [this](const RangeImageMsg::ConstPtr& message) {
+      receive({message, nullptr});
+    });
+    cloud_subscriber_ =
+        nh.subscribe<sensor_msgs::PointCloud2>("points_in", 2, [this](const sensor_msgs::PointCloud2::ConstPtr& message) {
+          receive({nullptr, message});
+        });
+  }
+
+  void readParameters(const ros::NodeHandle& private_nh) {
+    ParameterReader reader(private_nh);
+    config_ = std::make_shared<const Config>(readConfig(reader));
+    method_name_ = reader.getChoice("method", "ppc", segmenterNames());
+    method_ = makeSegmenter(method_name_);
+    for (const std::string& error : reader.errors()) NODELET_ERROR("%s; the default is used", error.c_str());
+    for (const std::string& unknown : reader.unknown()) NODELET_WARN("%s", unknown.c_str());
+  }
+
+  void receive(Arrival arrival) {
+    ++received_;
+    if (worker_->push(std::move(arrival))) {
+      ++skipped_;
+      NODELET_WARN_THROTTLE(10.0, "images arrive faster than they can be segmented; the newest wins (%u skipped so far)",
+                            skipped_.load());
+    }
+  }
+
+  void reconfigure(PatchPlaneClusteringConfig& update) {
+    try {
+      const auto next = std::make_shared<const Config>(fromReconfigurable(update, *config()));
+      const std::lock_guard<std::mutex> lock(config_mutex_);
+      config_ = next;
+    } catch (const std::invalid_argument& error) {
+      NODELET_ERROR("update refused: %s", error.what());
+      update = toReconfigurable(*config());
+    }
+  }
+
+  std::shared_ptr<const Config> config() const {
+    const std::lock_guard<std::mutex> lock(config_mutex_);
+    return config_;
+  }
+
+  void process(const Arrival& arrival) {
+    try {
+      const auto config = this->config();
+      const auto start = Clock::now();
+      const BeamGrid grid = arrival.image ? toBeamGrid(fromMessage(*arrival.image)) : gridFromCloud(*arrival.cloud);
+      if (method_name_ == "ppc" && std::min(grid.rows, grid.cols) < config->patch_size) {
+        throw std::invalid_argument("patch_size = " + std::to_string(config->patch_size) + " is larger than the image (" +
+                                    std::to_string(grid.rows) + " x " + std::to_string(grid.cols) + ")");
+      }
+      const StageTime conversion("message", millisecondsSince(start));
+      Segmentation segmentation = segmentWith(*method_, grid, *config);
+      segmentation.stages.insert(segmentation.stages.begin(), conversion);
+      publish(arrival, grid, segmentation);
+    } catch (const std::exception& error) {
+      skip(arrival, error.what());
+    }
+  }
+
+  /// Only the polygons are always made; the rest if somebody listens.
+  void publish(const Arrival& arrival, const BeamGrid& grid, const Segmentation& segmentation) {
+    const std_msgs::Header& header = arrival.header();
+    publishAs(polygons_publisher_, toPolygonArray(segmentation, header));
+    const double total = millisecondsSince(arrival.time);
+    if (statistics_publisher_.getNumSubscribers() > 0) {
+      SegmentationStatistics statistics = toStatistics(segmentation, header);
+      statistics.method = method_name_;
+      statistics.total_milliseconds = static_cast<float>(total);
+      statistics.images_received = received_;
+      statistics.images_skipped = skipped_;
+      publishAs(statistics_publisher_, std::move(statistics));
+    }
+    if (labels_publisher_.getNumSubscribers() > 0) publishAs(labels_publisher_, toLabelImage(segmentation.labels, header));
+    if (markers_publisher_.getNumSubscribers() > 0) publishAs(markers_publisher_, toMarkers(segmentation, header));
+    if (points_publisher_.getNumSubscribers() > 0) {
+      publishAs(points_publisher_, toSegmentedCloud(grid, segmentation.labels, header));
+    }
+  }
+
+  /// As a shared pointer, which nodelets of the same manager receive without a copy.
+  template <typename Message>
+  static void publishAs(const ros::Publisher& publisher, Message message) {
+    publisher.publish(boost::make_shared<Message>(std::move(message)));
+  }
+
+  void skip(const Arrival& arrival, const std::string& why) {
+    ++skipped_;
+    const auto now = Clock::now();  // not ROS time, which stands still when there is no /clock
+    if (reported_ && now - *reported_ < std::chrono::seconds(2)) return;
+    reported_ = now;
+    NODELET_ERROR("%s of frame '%s' skipped: %s (%u skipped so far)", arrival.image ? "range image" : "cloud",
+                  arrival.header().frame_id.c_str(), why.c_str(), skipped_.load());
+  }
+
+  std::string method_name_;
+  std::unique_ptr<PlaneSegmenter> method_;  // of the worker's thread
+  mutable std::mutex config_mutex_;
+  std::shared_ptr<const Config> config_;
+  boost::recursive_mutex server_mutex_;
+  std::unique_ptr<Server> server_;
+  std::atomic<std::uint32_t> received_{0};
+  std::atomic<std::uint32_t> skipped_{0};
+  std::optional<Clock::time_point> reported_;  // of the worker's thread
+  ros::Publisher polygons_publisher_, markers_publisher_, labels_publisher_, points_publisher_, statistics_publisher_;
+  ros::Subscriber image_subscriber_, cloud_subscriber_;
+  std::unique_ptr<NewestWorker<Arrival>> worker_;
+};
+
+}  // namespace patch_plane_clustering
+
+PLUGINLIB_EXPORT_CLASS(patch_plane_clustering::PatchPlaneClustering, nodelet::Nodelet)

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/ros/newest_worker.h"
+
+#include <gtest/gtest.h>
+#include <atomic>
+#include <chrono>
+#include <future>
+#include <memory>
+#include <vector>
+
+namespace patch_plane_clustering {
+namespace {
+
+TEST(NewestWorker, NewestOfTheWaitingWins) {
+  std::promise<void> started, release;
+  std::vector<int> done;
+  std::promise<void> finished;
+  NewestWorker<int> worker([&](const int& item) {
+    if (item == 1) {
+      started.set_value();
+      release.get_future().wait();
+    }
+    done.push_back(item);
+    if (item == 4) finished.set_value();
+  });
+  EXPECT_FALSE(worker.push(1));
+  started.get_future().wait();
+  EXPECT_FALSE(worker.push(2));
+  EXPECT_TRUE(worker.push(3));
+  EXPECT_TRUE(worker.push(4));
+  release.set_value();
+  ASSERT_EQ(finished.get_future().wait_for(std::chrono::seconds(10)), std::future_status::ready);
+  EXPECT_EQ(done, (std::vector<int>{1, 4}));
+}
+
+TEST(NewestWorker, ItemsOneByOneAreAllWorkedOn) {
+  std::vector<int> done;
+  for (int item = 0; item < 100; ++item) {
+    std::promise<void> finished;
+    NewestWorker<int> worker([&](const int& given) {
+      done.push_back(given);
+      finished.set_value();
+    });
+    EXPECT_FALSE(worker.push(item));
+    ASSERT_EQ(finished.get_future().wait_for(std::chrono::seconds(10)), std::future_status::ready);
+  }
+  ASSERT_EQ(done.size(), 100U);
+  for (int item = 0; item < 100; ++item) EXPECT_EQ(done[static_cast<std::size_t>(item)], item);
+}
+
+TEST(NewestWorker, EndsWithTheItemInWorkAndDropsTheWaiting) {
+  std::promise<void> started;
+  std::atomic<int> done{0};
+  const auto kept = std::make_shared<int>(0);
+  {
+    NewestWorker<std::shared_ptr<int>> worker([&](const std::shared_ptr<int>&) {
+      if (done == 0) started.set_value();
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      ++done;
+    });
+    worker.push(kept);
+    started.get_future().wait();
+    worker.push(kept);
+  }
+  EXPECT_EQ(done, 1);
+  EXPECT_EQ(kept.use_count(), 1);  // nothing holds on to what was dropped
+}
+
+}  // namespace
+}  // namespace patch_plane_clustering
