@@ -9,6 +9,7 @@
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/image_encodings.h>
 #include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 #include <deque>
 #include <numeric>
 #include <pluginlib/class_list_macros.hpp>
@@ -26,10 +27,7 @@ class SimulatedScanner : public nodelet::Nodelet {
  private:
   void onInit() override {
     try {
-      parameters_ = readSimulatedScannerParameters(getPrivateNodeHandle());
-      scanner_ = std::make_unique<sim::Scanner>(sim::makeScene(parameters_.scene, parameters_.seed), parameters_.scanner,
-                                                parameters_.seed);
-      stream_ = std::make_unique<sim::ScanStream>(*scanner_, parameters_.replay_passes);
+      readParameters();
     } catch (const std::exception& e) {
       NODELET_FATAL("simulated scanner: %s", e.what());
       throw;
@@ -45,6 +43,16 @@ class SimulatedScanner : public nodelet::Nodelet {
     last_tick_ = ros::WallTime::now();
     const double period = 0.5 / (parameters_.scanner.joint_rate * parameters_.real_time_factor);
     timer_ = nh.createWallTimer(ros::WallDuration(std::clamp(period, 0.001, 0.01)), &SimulatedScanner::tick, this);
+  }
+
+  void readParameters() {
+    ParameterReader reader(getPrivateNodeHandle());
+    parameters_ = readSimulatedScannerParameters(reader);
+    if (!reader.errors().empty()) throw std::invalid_argument(boost::algorithm::join(reader.errors(), "; "));
+    for (const std::string& unknown : reader.unknown()) NODELET_WARN("simulated scanner: %s", unknown.c_str());
+    scanner_ = std::make_unique<sim::Scanner>(sim::makeScene(parameters_.scene, parameters_.seed), parameters_.scanner,
+                                              parameters_.seed);
+    stream_ = std::make_unique<sim::ScanStream>(*scanner_, parameters_.replay_passes);
   }
 
   void tick(const ros::WallTimerEvent& /*event*/) {

@@ -3,86 +3,59 @@
 
 #include <cmath>
 #include <limits>
-#include <stdexcept>
-#include <vector>
 
 namespace patch_plane_clustering {
 namespace {
 
-// Reads a parameter if it is set; complains if its type is wrong.
-template <typename T>
-void read(const ros::NodeHandle& nh, const std::string& name, T& value) {
-  if (nh.hasParam(name) && !nh.getParam(name, value)) {
-    throw std::invalid_argument("parameter " + nh.resolveName(name) + " has the wrong type");
-  }
-}
-
-template <typename T>
-void read(const ros::NodeHandle& nh, const std::string& name, T& value, T low, T high) {
-  read(nh, name, value);
-  if (!(value >= low && value <= high)) {
-    throw std::invalid_argument("parameter " + nh.resolveName(name) + " is " + std::to_string(value) +
-                                ", allowed: " + std::to_string(low) + " to " + std::to_string(high));
-  }
-}
-
-Eigen::Vector3d readVector(const ros::NodeHandle& nh, const std::string& name) {
-  std::vector<double> v{0.0, 0.0, 0.0};
-  read(nh, name, v);
-  if (v.size() != 3 || !std::isfinite(v[0] + v[1] + v[2])) {
-    throw std::invalid_argument("parameter " + nh.resolveName(name) + " has " + std::to_string(v.size()) +
-                                " values, allowed: 3 finite ones");
-  }
+Eigen::Vector3d readVector(ParameterReader& reader, const std::string& name) {
+  const std::vector<double> v = reader.getVector(name, {0.0, 0.0, 0.0});
   return {v[0], v[1], v[2]};
 }
 
-std::string readName(const ros::NodeHandle& nh, const std::string& name, std::string value) {
-  read(nh, name, value);
-  if (value.empty()) throw std::invalid_argument("parameter " + nh.resolveName(name) + " is empty");
-  return value;
-}
-
-sim::ErrorModel readErrors(const ros::NodeHandle& nh) {
-  double noise_scale = 1.0;
-  bool exact = false, realistic = false;
-  read(nh, "noise_scale", noise_scale, 0.0, 1000.0);
-  read(nh, "exact", exact);
-  read(nh, "realistic", realistic);
-  if (exact) return sim::ErrorModel::none();
-  return realistic ? sim::ErrorModel::realistic(noise_scale) : sim::ErrorModel::dataSheet(noise_scale);
+// A preset, of which every error source can be changed by its own name.
+sim::ErrorModel readErrors(ParameterReader& reader) {
+  const bool exact = reader.getBool("exact", false), realistic = reader.getBool("realistic", false);
+  sim::ErrorModel errors = exact       ? sim::ErrorModel::none()
+                           : realistic ? sim::ErrorModel::realistic(1.0)
+                                       : sim::ErrorModel::dataSheet(1.0);
+  for (const sim::ErrorField& field : sim::errorFields()) {
+    errors.*field.value = reader.getDouble(field.name, errors.*field.value, 0.0, field.max);
+  }
+  errors.correlated_noise = reader.getBool("correlated_noise", errors.correlated_noise);
+  errors.motion_in_line = reader.getBool("motion_in_line", errors.motion_in_line);
+  return errors;
 }
 
 }  // namespace
 
-SimulatedScannerParameters readSimulatedScannerParameters(const ros::NodeHandle& nh) {
+SimulatedScannerParameters readSimulatedScannerParameters(ParameterReader& reader) {
   SimulatedScannerParameters p;
-  p.scene = readName(nh, "scene", p.scene);
-  int seed = 1;
-  read(nh, "seed", seed, 0, std::numeric_limits<int>::max());
-  p.seed = static_cast<std::uint64_t>(seed);
+  p.scene = reader.getChoice("scene", p.scene, sim::sceneNames());
+  p.seed = static_cast<std::uint64_t>(reader.getInt("seed", 1, 0, std::numeric_limits<int>::max()));
 
-  p.scanner.sensor = sim::makeSensor(readName(nh, "sensor", "utm_30lx"));
+  p.scanner.sensor = sim::makeSensor(reader.getChoice("sensor", "utm_30lx", sim::sensorNames()));
   sim::Motion& motion = p.scanner.motion;
-  motion.kind = sim::motionFromName(readName(nh, "motion", "nodding"));
-  motion.axis = sim::axisFromName(readName(nh, "axis", "pitch"));
-  read(nh, "amplitude", motion.amplitude, 0.0, M_PI);
-  read(nh, "pass_angle", motion.pass_angle, 0.01, 2.0 * M_PI + 1e-6);
-  read(nh, "lines_per_pass", motion.lines_per_pass, 2, 100000);
-  const Eigen::Vector3d rpy = readVector(nh, "mount_rpy");
-  p.scanner.mount = sim::mountFrom(readVector(nh, "lever_arm"), rpy);
-  read(nh, "joint_rate", p.scanner.joint_rate, 1.0, 10000.0);
-  p.scanner.errors = readErrors(nh);
+  motion.kind = sim::motionFromName(reader.getChoice("motion", "nodding", {"nodding", "spinning"}));
+  motion.axis = sim::axisFromName(reader.getChoice("axis", "pitch", {"roll", "pitch", "yaw"}));
+  motion.amplitude = reader.getDouble("amplitude", motion.amplitude, 0.0, M_PI);
+  // The whole turn as text has as many digits as its writer liked.
+  motion.pass_angle = reader.getDouble("pass_angle", motion.pass_angle, 0.01, 2.0 * M_PI + 1e-3);
+  motion.lines_per_pass = reader.getInt("lines_per_pass", motion.lines_per_pass, 2, 100000);
+  const Eigen::Vector3d lever_arm = readVector(reader, "lever_arm");
+  p.scanner.mount = sim::mountFrom(lever_arm, readVector(reader, "mount_rpy"));
+  p.scanner.joint_rate = reader.getDouble("joint_rate", p.scanner.joint_rate, 1.0, 10000.0);
+  p.scanner.errors = readErrors(reader);
 
-  p.names.base_frame = readName(nh, "base_frame", p.names.base_frame);
-  p.names.laser_frame = readName(nh, "laser_frame", p.names.laser_frame);
-  p.names.joint = readName(nh, "joint_name", p.names.joint);
-  read(nh, "real_time_factor", p.real_time_factor, 0.001, 1000.0);
-  read(nh, "replay_passes", p.replay_passes, 0, 1000);
-  read(nh, "publish_clock", p.publish_clock);
-  read(nh, "publish_tf", p.publish_tf);
-  read(nh, "joint_drop_rate", p.joint_drop_rate, 0.0, 1.0);
-  read(nh, "scan_drop_rate", p.scan_drop_rate, 0.0, 1.0);
-  read(nh, "joint_delay", p.joint_delay, 0.0, 10.0);
+  p.names.base_frame = reader.getString("base_frame", p.names.base_frame);
+  p.names.laser_frame = reader.getString("laser_frame", p.names.laser_frame);
+  p.names.joint = reader.getString("joint_name", p.names.joint);
+  p.real_time_factor = reader.getDouble("real_time_factor", p.real_time_factor, 0.001, 1000.0);
+  p.replay_passes = reader.getInt("replay_passes", p.replay_passes, 0, 1000);
+  p.publish_clock = reader.getBool("publish_clock", p.publish_clock);
+  p.publish_tf = reader.getBool("publish_tf", p.publish_tf);
+  p.joint_drop_rate = reader.getDouble("joint_drop_rate", p.joint_drop_rate, 0.0, 1.0);
+  p.scan_drop_rate = reader.getDouble("scan_drop_rate", p.scan_drop_rate, 0.0, 1.0);
+  p.joint_delay = reader.getDouble("joint_delay", p.joint_delay, 0.0, 10.0);
   return p;
 }
 

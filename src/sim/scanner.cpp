@@ -34,13 +34,7 @@ void check(const ScannerOptions& o) {
   requireRange("axis length", o.motion.axis.norm(), 1.0 - 1e-6, 1.0 + 1e-6);
   requireRange("joint_rate", o.joint_rate, 0.1, 1e5);
   requireRange("poses_per_row", o.poses_per_row, 1, 10000);
-  const ErrorModel& e = o.errors;
-  requireRange("noise_scale", e.noise_scale, 0.0, 1000.0);
-  requireRange("mixed_pixels", e.mixed_pixels, 0.0, 1.0);
-  requireRange("dropouts", e.dropouts, 0.0, 1.0);
-  requireRange("range_grid", e.range_grid, 0.0, 1.0);
-  requireRange("wall_bow", e.wall_bow, 0.0, 0.1);
-  requireRange("encoder_noise", e.encoder_noise, 0.0, 0.1);
+  checkErrors(o.errors);
 }
 
 // Unit-variance noise along a line.

@@ -393,6 +393,21 @@ TEST(Scanner, OptionsAreChecked) {
   EXPECT_THROW(makeSensor("sick"), std::invalid_argument);
 }
 
+TEST(ErrorModel, FieldsAreSetByName) {
+  ErrorModel errors;
+  for (const ErrorField& field : errorFields()) {
+    setErrorField(errors, field.name, 0.5 * field.max);
+    EXPECT_DOUBLE_EQ(errors.*field.value, 0.5 * field.max);
+    EXPECT_THROW(setErrorField(errors, field.name, 1.1 * field.max), std::invalid_argument) << field.name;
+    EXPECT_THROW(setErrorField(errors, field.name, std::nan("")), std::invalid_argument) << field.name;
+  }
+  setErrorField(errors, "correlated_noise", 1.0);
+  setErrorField(errors, "motion_in_line", 0.0);
+  EXPECT_TRUE(errors.correlated_noise);
+  EXPECT_FALSE(errors.motion_in_line);
+  EXPECT_THROW(setErrorField(errors, "gremlins", 1.0), std::invalid_argument);
+}
+
 TEST(Sensor, PresetsAreTheDataSheets) {
   const Sensor utm = makeSensor("utm_30lx"), urg = makeSensor("urg_04lx");
   EXPECT_EQ(utm.beams, 1081);

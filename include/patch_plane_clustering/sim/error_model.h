@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <string>
+#include <vector>
 
 namespace patch_plane_clustering::sim {
 
@@ -30,6 +32,23 @@ struct ErrorModel {
   /// bowed by 5 mm, lever arm off by 5 mm, tilt off by 0.2 deg, backlash of 0.1 deg.
   static ErrorModel realistic(double noise_scale);
 };
+
+/// @brief One quantity of an ErrorModel: its public name and allowed range (from 0).
+struct ErrorField {
+  std::string name;
+  double max;
+  double ErrorModel::*value;
+};
+
+/// @brief Every quantity, in the order of the struct; switches apart. Thread-safe.
+const std::vector<ErrorField>& errorFields();
+
+/// @brief Sets a quantity or, by 0 and 1, a switch. @throws std::invalid_argument naming the field, its value and what is
+/// allowed.
+void setErrorField(ErrorModel& errors, const std::string& name, double value);
+
+/// @brief Throws std::invalid_argument naming the first quantity out of range.
+void checkErrors(const ErrorModel& errors);
 
 /// @brief Moving average whose output has unit variance and autocorrelation 0.7, 0.5, 0.3, 0.1 at lags 1 to 4.
 /// From the spectral factorisation of these values.

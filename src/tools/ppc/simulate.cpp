@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `ppc simulate`: scans of a simulated scanner as a bag, or as organised clouds with ground-truth labels.
 #include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/refinement.h"
 #include "patch_plane_clustering/sim/scanner.h"
 
-#include "output_file.h"
+#include "files.h"
 #include "simulated_bag.h"
 #include "subcommands.h"
 
@@ -11,10 +12,12 @@
 #include <pcl/point_types.h>
 #include <CLI/CLI.hpp>
 #include <memory>
-#include <opencv2/imgcodecs.hpp>
+#include <opencv2/core.hpp>
 
 namespace patch_plane_clustering {
 namespace {
+
+constexpr int kPieceGap = 2;  // [pixels]
 
 struct Options {
   std::string scene = "office", sensor = "utm_30lx", motion = "nodding", axis = "pitch";
@@ -24,8 +27,25 @@ struct Options {
   int lines = 300, sweeps = 1;
   double amplitude_deg = 60.0;
   std::vector<double> lever_arm{0.0, 0.0, 0.0}, mount_rpy{0.0, 0.0, 0.0};
+  std::vector<std::string> errors;
   std::string bag, pcd, truth;
+  bool pieces = false;
 };
+
+sim::ErrorModel errorModel(const Options& o) {
+  sim::ErrorModel errors = o.exact       ? sim::ErrorModel::none()
+                           : o.realistic ? sim::ErrorModel::realistic(o.noise)
+                                         : sim::ErrorModel::dataSheet(o.noise);
+  for (const std::string& text : o.errors) {
+    const std::size_t equals = text.find('=');
+    double value = 0.0;
+    if (equals == std::string::npos || !CLI::detail::lexical_cast(text.substr(equals + 1), value)) {
+      throw std::invalid_argument("--error is '" + text + "', allowed: NAME=NUMBER");
+    }
+    sim::setErrorField(errors, text.substr(0, equals), value);
+  }
+  return errors;
+}
 
 sim::ScannerOptions scannerOptions(const Options& o) {
   sim::ScannerOptions s;
@@ -35,9 +55,7 @@ sim::ScannerOptions scannerOptions(const Options& o) {
   s.motion.amplitude = o.amplitude_deg * M_PI / 180.0;
   s.motion.lines_per_pass = o.lines;
   s.mount = sim::mountFrom(Eigen::Vector3d(o.lever_arm.data()), Eigen::Vector3d(o.mount_rpy.data()));
-  s.errors = o.exact       ? sim::ErrorModel::none()
-             : o.realistic ? sim::ErrorModel::realistic(o.noise)
-                           : sim::ErrorModel::dataSheet(o.noise);
+  s.errors = errorModel(o);
   return s;
 }
 
@@ -46,35 +64,31 @@ void writeCloud(const RangeImage& image, const std::string& path) {
   pcl::PointCloud<pcl::PointXYZ> cloud(static_cast<std::uint32_t>(grid.cols), static_cast<std::uint32_t>(grid.rows));
   for (int i = 0; i < grid.size(); ++i) cloud[i].getVector3fMap() = grid.point(i);
   cloud.is_dense = false;
-  writeWhole(path, [&](const std::string& file) {
-    if (pcl::io::savePCDFileBinary(file, cloud) != 0) throw std::runtime_error("cannot write " + path);
+  writeAtomically(path, [&](const std::string& file) {
+    if (pcl::io::savePCDFileBinary(file, cloud) != 0) throw std::runtime_error("cannot be written");
   });
 }
 
 void writeLabels(const LabelImage& labels, const std::string& path) {
   cv::Mat_<std::uint16_t> picture(labels.rows, labels.cols);
   std::copy(labels.labels.begin(), labels.labels.end(), picture.begin());
-  writeWhole(path, [&](const std::string& file) {
-    if (!cv::imwrite(file, picture)) throw std::runtime_error("cannot write " + path);
-  });
+  writeImage(path, picture);
 }
 
 void run(const Options& o) {
   if (o.bag.empty() && o.pcd.empty() && o.truth.empty()) {
     throw std::invalid_argument("nothing to write: give --bag, --pcd or --truth");
   }
-  for (const std::string& path : {o.bag, o.pcd, o.truth}) {
-    if (!path.empty()) requireWritable(path);
-  }
   const sim::Scanner scanner(sim::makeScene(o.scene, o.seed), scannerOptions(o), o.seed);
   if (!o.bag.empty()) {
-    writeWhole(o.bag, [&](const std::string& file) { writeSimulatedBag(scanner, o.sweeps, file); });
+    writeAtomically(o.bag, [&](const std::string& file) { writeSimulatedBag(scanner, o.sweeps, file); });
   }
   if (o.pcd.empty() && o.truth.empty()) return;
   for (int i = 0; i < o.sweeps; ++i) {
-    const sim::Sweep sweep = scanner.sweep(i);
-    if (!o.pcd.empty()) writeCloud(sweep.image, numberedPath(o.pcd, i, o.sweeps > 1));
-    if (!o.truth.empty()) writeLabels(sweep.labels, numberedPath(o.truth, i, o.sweeps > 1));
+    sim::Sweep sweep = scanner.sweep(i);
+    if (o.pieces) splitComponents(kPieceGap, kPieceGap, sweep.labels);
+    if (!o.pcd.empty()) writeCloud(sweep.image, numbered(o.pcd, i, o.sweeps > 1));
+    if (!o.truth.empty()) writeLabels(sweep.labels, numbered(o.truth, i, o.sweeps > 1));
   }
 }
 
@@ -91,6 +105,8 @@ void addSimulate(CLI::App& app) {
   auto* realistic = sub->add_flag("--realistic", o->realistic,
                                   "Add correlated noise, 1 cm grid, bias, bowed walls, mount and tilt errors");
   sub->add_flag("--exact", o->exact, "No error of any kind")->excludes(realistic);
+  sub->add_option("--error", o->errors,
+                  "Change one source of error, NAME=VALUE (metres, radians, shares; switches 0 or 1); can be repeated");
   sub->add_option("--seed", o->seed, "Seed of scene and errors")->capture_default_str();
   sub->add_option("--lines", o->lines, "Lines a sweep")->check(CLI::Range(1, 100000))->capture_default_str();
   sub->add_option("--sweeps,--passes", o->sweeps, "Sweeps")->check(CLI::Range(1, 100000))->capture_default_str();
@@ -108,6 +124,8 @@ void addSimulate(CLI::App& app) {
   sub->add_option("--bag", o->bag, "Bag to write: /scan, /joint_states (tilt_joint), /tf (tilt_base -> laser)");
   sub->add_option("--pcd", o->pcd, "Organised cloud to write (x y z, NaN = invalid); numbered if there are several sweeps");
   sub->add_option("--truth", o->truth, "Ground-truth labels to write (16-bit PNG, 0 = no plane); numbered likewise");
+  sub->add_flag("--truth-pieces", o->pieces,
+                "Label each piece of a plane that is connected in the image (gaps of 2 bridged) apart");
   sub->callback([o] { run(*o); });
 }
 
