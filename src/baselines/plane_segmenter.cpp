@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/baselines/plane_segmenter.h"
 
+#include "methods.h"
 #include "patch_plane_clustering/core/segmenter.h"
 
 #include <stdexcept>
@@ -18,12 +19,16 @@ class PatchPlaneClustering : public PlaneSegmenter {
 }  // namespace
 
 const std::vector<std::string>& segmenterNames() {
-  static const std::vector<std::string> names = {"ppc"};
+  static const std::vector<std::string> names = {"ppc", "region_growing", "pcl_region_growing", "pcl_multi_plane", "ransac"};
   return names;
 }
 
 std::unique_ptr<PlaneSegmenter> makeSegmenter(const std::string& name) {
   if (name == "ppc") return std::make_unique<PatchPlaneClustering>();
+  if (name == "region_growing") return makeRegionGrowing();
+  if (name == "pcl_region_growing") return makePclRegionGrowing();
+  if (name == "pcl_multi_plane") return makePclMultiPlane();
+  if (name == "ransac") return makeRansac();
   std::string known;
   for (const auto& each : segmenterNames()) known += (known.empty() ? "" : ", ") + each;
   throw std::invalid_argument("unknown method '" + name + "'; known are " + known);

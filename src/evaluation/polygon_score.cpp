@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#define BOOST_GEOMETRY_NO_ROBUSTNESS  // coordinates are of the order of 1: no need to rescale them to integers
 #include "patch_plane_clustering/evaluation/polygon_score.h"
 
 #include "polygon_plane.h"
 
 #include <algorithm>
-#include <boost/geometry.hpp>
+#include <boost/geometry/algorithms/is_valid.hpp>
 #include <boost/geometry/geometries/point_xy.hpp>
 #include <boost/geometry/geometries/polygon.hpp>
+#include <boost/geometry/strategies/strategies.hpp>
 #include <cmath>
 #include <limits>
 #include <stdexcept>

@@ -108,6 +108,8 @@ LineAccounts readSweeps(const std::string& path, const BagOptions& options,
   try {
     bag.open(path, rosbag::bagmode::Read);
     tilt = findTilt(bag, options);
+  } catch (const rosbag::BagException& error) {
+    throw std::runtime_error(path + ": is no bag, or damaged (" + error.what() + ")");
   } catch (const std::exception& error) {
     throw std::runtime_error(path + ": " + error.what());
   }
@@ -116,7 +118,7 @@ LineAccounts readSweeps(const std::string& path, const BagOptions& options,
   try {
     accounts = assemble(bag, tilt, options, on_message, on_sweep, on_progress);
   } catch (const rosbag::BagException& error) {
-    throw std::runtime_error(path + ": " + error.what());
+    throw std::runtime_error(path + ": is damaged (" + error.what() + ")");
   }
   if (accounts.sweeps == 0) {
     std::string cause = path + ": no sweep in " + std::to_string(accounts.lines_in) + " lines";

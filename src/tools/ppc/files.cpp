@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
 
+#include "output_file.h"
+
 #include <opencv2/imgcodecs.hpp>
 
-#include <unistd.h>
-
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
@@ -24,56 +23,30 @@ void requireReadableFile(const std::string& path) {
   if (fs::file_size(path, error) == 0) throw std::runtime_error(path + ": is empty");
 }
 
-void writeAtomically(const std::string& path, const std::function<void(const std::string&)>& write) {
-  const fs::path target(path);
-  const fs::path temporary = target.parent_path() / ("." + target.stem().string() + "." + std::to_string(getpid()) + ".tmp" +
-                                                     target.extension().string());
-  std::error_code error;
-  try {
-    write(temporary.string());
-    if (!fs::exists(temporary)) throw std::runtime_error("cannot be written");
-  } catch (const std::exception& cause) {
-    fs::remove(temporary, error);
-    throw std::runtime_error(path + ": " + cause.what());
-  }
-  fs::rename(temporary, target, error);
-  if (error) {
-    std::error_code ignored;
-    fs::remove(temporary, ignored);
-    throw std::runtime_error(path + ": " + error.message());
-  }
-}
-
 void writeText(const std::string& path, const std::string& text) {
   if (path.empty()) return;
-  writeAtomically(path, [&](const std::string& temporary) {
+  requireWritable(path);
+  writeWhole(path, [&](const std::string& temporary) {
     std::ofstream out(temporary, std::ios::binary);
-    if (!out) throw std::runtime_error("cannot be written");
+    if (!out) throw std::runtime_error(path + ": cannot be written");
     out << text;
     out.close();
-    if (!out) throw std::runtime_error("could not be written to the end (disk full?)");
+    if (!out) throw std::runtime_error(path + ": could not be written to the end (disk full?)");
   });
 }
 
 void writeImage(const std::string& path, const cv::Mat& image) {
   if (path.empty()) return;
-  writeAtomically(path, [&](const std::string& temporary) {
+  requireWritable(path);
+  writeWhole(path, [&](const std::string& temporary) {
     bool written = false;
     try {
       written = cv::imwrite(temporary, image);
     } catch (const cv::Exception&) {
-      throw std::runtime_error("is not the name of a picture format that can be written (use .png)");
+      throw std::runtime_error(path + ": is not the name of a picture format that can be written (use .png)");
     }
-    if (!written) throw std::runtime_error("cannot be written");
+    if (!written) throw std::runtime_error(path + ": cannot be written");
   });
-}
-
-std::string numbered(const std::string& path, int index, bool several) {
-  if (path.empty() || !several) return path;
-  const fs::path p(path);
-  char suffix[16];
-  std::snprintf(suffix, sizeof suffix, "-%04d", index);
-  return (p.parent_path() / (p.stem().string() + suffix + p.extension().string())).string();
 }
 
 }  // namespace patch_plane_clustering

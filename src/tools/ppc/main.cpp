@@ -11,6 +11,7 @@ int main(int argc, char** argv) {
   CLI::App app{"Planar polygons from organised range images", "ppc"};
   app.require_subcommand(1);
   patch_plane_clustering::addSegment(app);
+  patch_plane_clustering::addBag(app);
   patch_plane_clustering::addSimulate(app);
   patch_plane_clustering::addEvaluate(app);
   try {

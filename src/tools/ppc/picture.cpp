@@ -2,6 +2,7 @@
 #include "picture.h"
 
 #include "patch_plane_clustering/evaluation/polygon_score.h"
+#include "patch_plane_clustering/ros/region_color.h"
 
 #include <opencv2/imgproc.hpp>
 
@@ -61,11 +62,16 @@ cv::Mat rangePanel(const BeamGrid& grid) {
   return coloured;
 }
 
+cv::Vec3b colourOf(std::int32_t id) {
+  const RegionColor colour = regionColor(id);
+  return id > 0 ? cv::Vec3b(colour.b, colour.g, colour.r) : cv::Vec3b(60, 60, 60);
+}
+
 cv::Mat labelPanel(const BeamGrid& grid, const LabelImage& labels) {
   cv::Mat panel(grid.rows, grid.cols, CV_8UC3, cv::Scalar(0, 0, 0));
   for (int i = 0; i < grid.size(); ++i) {
     auto& pixel = panel.at<cv::Vec3b>(i / grid.cols, i % grid.cols);
-    if (grid.valid(i)) pixel = labels.labels[i] > 0 ? regionColour(labels.labels[i]) : cv::Vec3b(60, 60, 60);
+    if (grid.valid(i)) pixel = colourOf(labels.labels[i]);
   }
   return panel;
 }
@@ -104,14 +110,6 @@ void drawOutlines(const BeamGrid& grid, const Segmentation& result, cv::Mat& pan
 }
 
 }  // namespace
-
-cv::Vec3b regionColour(int id) {
-  const int hue = static_cast<int>(std::fmod(static_cast<double>(id) * 0.61803398875, 1.0) * 180.0);  // golden ratio
-  const int value = id % 3 == 0 ? 170 : id % 3 == 1 ? 235 : 205;
-  cv::Mat pixel(1, 1, CV_8UC3, cv::Scalar(hue, id % 2 == 0 ? 150 : 205, value));
-  cv::cvtColor(pixel, pixel, cv::COLOR_HSV2BGR);
-  return pixel.at<cv::Vec3b>(0, 0);
-}
 
 cv::Mat drawSegmentation(const BeamGrid& grid, const Segmentation& result) {
   const cv::Size size = panelSize(grid);

@@ -13,7 +13,4 @@ namespace patch_plane_clustering {
 /// sensor sees them, and small images are enlarged.
 cv::Mat drawSegmentation(const BeamGrid& grid, const Segmentation& result);
 
-/// @brief Colour of a region (blue, green, red); neighbouring ids are far apart in hue.
-cv::Vec3b regionColour(int id);
-
 }  // namespace patch_plane_clustering

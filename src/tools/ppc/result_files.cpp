@@ -2,10 +2,14 @@
 #include "result_files.h"
 
 #include "files.h"
+#include "patch_plane_clustering/ros/region_color.h"
+#include "patch_plane_clustering/ros/triangulation.h"
 
 #include <opencv2/imgcodecs.hpp>
 
 #include <cmath>
+#include <locale>
+#include <sstream>
 #include <stdexcept>
 
 namespace patch_plane_clustering {
@@ -108,6 +112,32 @@ Json statisticsJson(const BeamGrid& grid, const Segmentation& result) {
   json["stages_ms"] = stages;
   json["total_ms"] = std::round(total * 1e4) / 1e4;
   return json;
+}
+
+std::string meshPly(const Segmentation& result) {
+  std::ostringstream vertices;
+  vertices.imbue(std::locale::classic());
+  vertices.precision(9);
+  std::size_t n = 0;
+  for (const PlanarPolygon& polygon : result.polygons) {
+    const RegionColor colour = regionColor(polygon.id);
+    for (const PlanarRegion& region : result.regions) {
+      if (region.id != polygon.id) continue;
+      for (const Eigen::Vector3d& p : triangulate(polygon, region.plane.normal)) {
+        vertices << p.x() << ' ' << p.y() << ' ' << p.z() << ' ' << int{colour.r} << ' ' << int{colour.g} << ' '
+                 << int{colour.b} << '\n';
+        ++n;
+      }
+    }
+  }
+  std::ostringstream out;
+  out << "ply\nformat ascii 1.0\ncomment planar polygons [m]\nelement vertex " << n
+      << "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
+         "property uchar blue\nelement face "
+      << n / 3 << "\nproperty list uchar int vertex_indices\nend_header\n"
+      << vertices.str();
+  for (std::size_t i = 0; i + 2 < n; i += 3) out << "3 " << i << ' ' << i + 1 << ' ' << i + 2 << '\n';
+  return out.str();
 }
 
 }  // namespace patch_plane_clustering

@@ -30,4 +30,7 @@ nlohmann::ordered_json polygonsJson(const BeamGrid& grid, const Segmentation& re
 /// @brief Counts and times of one segmentation; the names of stages and their milliseconds under "stages_ms".
 nlohmann::ordered_json statisticsJson(const BeamGrid& grid, const Segmentation& result);
 
+/// @brief The polygons as coloured triangles, ascii PLY.
+std::string meshPly(const Segmentation& result);
+
 }  // namespace patch_plane_clustering

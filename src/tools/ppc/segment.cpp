@@ -3,6 +3,7 @@
 #include "cloud_file.h"
 #include "files.h"
 #include "method_options.h"
+#include "output_file.h"
 #include "patch_plane_clustering/baselines/plane_segmenter.h"
 #include "picture.h"
 #include "result_files.h"
@@ -23,6 +24,7 @@ struct SegmentOptions {
   MethodOptions method;
   std::string labels;
   std::string polygons;
+  std::string mesh;
   std::string picture;
   BagOptions bag;
   int repeat = 1;
@@ -48,12 +50,13 @@ void segmentImage(const SegmentOptions& options, const Config& config, PlaneSegm
     for (int i = 0; i < options.repeat; ++i) runs.push_back(segmentWith(method, grid, config).stages);
     result.stages = medianStages(runs);
   }
-  if (!options.labels.empty()) writeImage(numbered(options.labels, index, several), labelPicture(result.labels));
+  if (!options.labels.empty()) writeImage(numberedPath(options.labels, index, several), labelPicture(result.labels));
   if (!options.polygons.empty()) {
-    writeText(numbered(options.polygons, index, several), polygonsJson(grid, result, source).dump(1) + "\n");
+    writeText(numberedPath(options.polygons, index, several), polygonsJson(grid, result, source).dump(1) + "\n");
   }
+  if (!options.mesh.empty()) writeText(numberedPath(options.mesh, index, several), meshPly(result));
   if (!options.picture.empty()) {
-    writeImage(numbered(options.picture, index, several), drawSegmentation(grid, result));
+    writeImage(numberedPath(options.picture, index, several), drawSegmentation(grid, result));
   }
   nlohmann::ordered_json line = {{"input", options.input}, {"image", index}, {"method", options.method.method}};
   line.update(statisticsJson(grid, result));
@@ -84,6 +87,7 @@ void addSegment(CLI::App& app) {
   options->method.addTo(*command);
   command->add_option("--labels", options->labels, "Label image to write, 16-bit PNG, 0 = no plane");
   command->add_option("--polygons", options->polygons, "Polygons to write, JSON");
+  command->add_option("--mesh", options->mesh, "Polygons as coloured triangles to write, PLY");
   command->add_option("--picture", options->picture, "Picture of ranges, labels and outlines to write, PNG");
   options->bag.addTo(*command);
   command->add_option("--repeat", options->repeat, "Segments N times after a warm-up and reports the median times")

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "methods.h"
+#include "pcl_cloud.h"
+#include "stage_timer.h"
+
+#include <pcl/segmentation/organized_multi_plane_segmentation.h>
+
+#include <algorithm>
+
+namespace patch_plane_clustering {
+namespace {
+
+// Tuned on simulated offices and stairs of seeds that no test uses.
+constexpr int kHalfWindow = 5;              // of the normals [columns]
+constexpr double kAngle = 0.06;             // between the normals of neighbours [rad]
+constexpr double kDistanceSigmas = 4.0;     // between the planes of neighbours, in sigmas of the median range
+constexpr double kMaximumCurvature = 0.01;  // of a region
+
+class PclMultiPlane : public PlaneSegmenter {
+ public:
+  LabelImage label(const BeamGrid& grid, const Config& config, std::vector<StageTime>* stages) override {
+    StageTimer timer(stages);
+    const NoiseModel noise = noiseOf(grid, config);
+    const auto cloud = toPclCloud(grid);
+    const auto normals = toPclNormals(grid, localPlanes(grid, noise, windowOf(grid, kHalfWindow)));
+    timer.lap("normals");
+
+    LabelImage image = noLabels(grid);
+    std::vector<int> pixels = validPixels(grid);
+    if (static_cast<int>(pixels.size()) < config.min_size || grid.rows < 3 || grid.cols < 3) return image;
+    const auto middle = pixels.begin() + static_cast<std::ptrdiff_t>(pixels.size() / 2);
+    std::nth_element(pixels.begin(), middle, pixels.end(), [&](int a, int b) { return grid.range[a] < grid.range[b]; });
+
+    pcl::OrganizedMultiPlaneSegmentation<pcl::PointXYZ, pcl::Normal, pcl::Label> planes;
+    planes.setInputCloud(cloud);
+    planes.setInputNormals(normals);
+    planes.setMinInliers(static_cast<unsigned>(config.min_size));
+    planes.setAngularThreshold(kAngle);
+    planes.setDistanceThreshold(kDistanceSigmas * noise.sigma(grid.range[*middle]));
+    planes.setMaximumCurvature(kMaximumCurvature);
+    std::vector<pcl::PlanarRegion<pcl::PointXYZ>, Eigen::aligned_allocator<pcl::PlanarRegion<pcl::PointXYZ>>> regions;
+    std::vector<pcl::ModelCoefficients> coefficients;
+    std::vector<pcl::PointIndices> inliers, label_indices, boundaries;
+    pcl::PointCloud<pcl::Label>::Ptr labels(new pcl::PointCloud<pcl::Label>);
+    planes.segmentAndRefine(regions, coefficients, inliers, labels, label_indices, boundaries);
+    std::int32_t label = 0;
+    for (const auto& region : inliers) {
+      ++label;
+      for (const int i : region.indices) image.labels[i] = label;
+    }
+    timer.lap("planes");
+    return image;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<PlaneSegmenter> makePclMultiPlane() { return std::make_unique<PclMultiPlane>(); }
+
+}  // namespace patch_plane_clustering

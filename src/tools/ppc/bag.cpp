@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `ppc bag`: a bag of scans in, a bag with range images and polygons out.
+#include "bag_sweeps.h"
+#include "files.h"
+#include "method_options.h"
+#include "output_file.h"
+#include "patch_plane_clustering/baselines/plane_segmenter.h"
+#include "patch_plane_clustering/ros/range_image_conversions.h"
+#include "patch_plane_clustering/ros/segmentation_conversions.h"
+#include "result_files.h"
+#include "subcommands.h"
+
+#include <rosbag/bag.h>
+#include <CLI/CLI.hpp>
+
+#include <chrono>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+namespace patch_plane_clustering {
+namespace {
+
+struct Options {
+  std::string input, output;
+  std::string prefix = "/";
+  bool only_new = false, clouds = false;
+  MethodOptions method;
+  BagOptions bag;
+};
+
+class Writer {
+ public:
+  Writer(const Options& options, rosbag::Bag& out)
+      : options_(options), config_(options.method.config()), method_(makeSegmenter(options.method.method)), out_(out) {}
+
+  void copy(const rosbag::MessageInstance& message) {
+    if (!options_.only_new) out_.write(message.getTopic(), message.getTime(), message, message.getConnectionHeader());
+  }
+
+  void add(BagSweep&& bag) {
+    std_msgs::Header header;
+    header.seq = static_cast<std::uint32_t>(index_);
+    header.stamp = toTime(bag.sweep.stamp);
+    header.frame_id = bag.frame_id;
+    const auto start = std::chrono::steady_clock::now();
+    const BeamGrid grid = toBeamGrid(bag.sweep.image);
+    const Segmentation result = segmentWith(*method_, grid, config_);
+    SegmentationStatistics statistics = toStatistics(result, header);
+    statistics.method = options_.method.method;
+    statistics.total_milliseconds =
+        static_cast<float>(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    statistics.images_received = static_cast<std::uint32_t>(index_ + 1);
+
+    write("range_image", bag.written, toMessage(bag.sweep.image, header));
+    write("polygons", bag.written, toPolygonArray(result, header));
+    write("statistics", bag.written, statistics);
+    if (options_.clouds) {
+      write("points", bag.written, toPointCloud(bag.sweep.image, header));
+      write("segmented_points", bag.written, toSegmentedCloud(grid, result.labels, header));
+    }
+    nlohmann::ordered_json line = {{"input", options_.input}, {"image", index_++}, {"stamp", bag.sweep.stamp}};
+    line.update(statisticsJson(grid, result));
+    std::cout << line.dump() << std::endl;
+  }
+
+ private:
+  template <typename Message>
+  void write(const std::string& name, const ros::Time& time, const Message& message) {
+    out_.write(options_.prefix + name, time, message);
+  }
+
+  const Options& options_;
+  Config config_;
+  std::unique_ptr<PlaneSegmenter> method_;
+  rosbag::Bag& out_;
+  int index_ = 0;
+};
+
+void run(Options options) {
+  if (options.prefix.empty() || options.prefix.back() != '/') options.prefix += '/';
+  requireReadableFile(options.input);
+  std::error_code ignored;
+  if (std::filesystem::equivalent(options.input, options.output, ignored)) {
+    throw std::runtime_error(options.output + ": is the input; the output needs a name of its own");
+  }
+  requireWritable(options.output);
+  writeWhole(options.output, [&](const std::string& temporary) {
+    rosbag::Bag out(temporary, rosbag::bagmode::Write);
+    out.setCompression(rosbag::compression::LZ4);
+    Writer writer(options, out);
+    readSweeps(
+        options.input, options.bag, [&](const rosbag::MessageInstance& message) { writer.copy(message); },
+        [&](BagSweep&& sweep) { writer.add(std::move(sweep)); }, showProgress);
+    out.close();
+  });
+}
+
+}  // namespace
+
+void addBag(CLI::App& app) {
+  auto* command = app.add_subcommand("bag", "Adds range images, polygons and statistics to recorded scans");
+  auto options = std::make_shared<Options>();
+  command->add_option("input", options->input, "Bag to read")->required();
+  command->add_option("output", options->output, "Bag to write")->required();
+  command->add_option("--prefix", options->prefix, "Namespace of range_image, polygons and statistics")
+      ->capture_default_str();
+  command->add_flag("--only-new", options->only_new, "Do not copy the messages of the input");
+  command->add_flag("--clouds", options->clouds, "Add points and segmented_points too");
+  options->method.addTo(*command);
+  options->bag.addTo(*command);
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace patch_plane_clustering
