@@ -50,9 +50,11 @@ std::string describeMount(const Eigen::Isometry3d& mount) {
   const Eigen::Vector3d arm = mount.translation();
   const Eigen::Matrix3d& r = mount.linear();
   const double pitch = std::atan2(-r(2, 0), std::hypot(r(0, 0), r(1, 0)));
+  const auto rounded = [](double x) { return std::round(x * 1e4) / 1e4 + 0.0; };  // + 0.0 makes -0 plain 0
   char text[160];
-  std::snprintf(text, sizeof text, "lever_arm [%.4f, %.4f, %.4f] m, mount_rpy [%.4f, %.4f, %.4f] rad", arm.x(), arm.y(),
-                arm.z(), std::atan2(r(2, 1), r(2, 2)), pitch, std::atan2(r(1, 0), r(0, 0)));
+  std::snprintf(text, sizeof text, "lever_arm [%.4f, %.4f, %.4f] m, mount_rpy [%.4f, %.4f, %.4f] rad", rounded(arm.x()),
+                rounded(arm.y()), rounded(arm.z()), rounded(std::atan2(r(2, 1), r(2, 2))), rounded(pitch),
+                rounded(std::atan2(r(1, 0), r(0, 0))));
   return text;
 }
 

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/ros/tf_pose_sources.h"
+
+#include "patch_plane_clustering/ros/laser_poses.h"
+#include "patch_plane_clustering/ros/mount_finder.h"
+#include "patch_plane_clustering/ros/range_image_conversions.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace patch_plane_clustering {
+namespace {
+
+Eigen::Isometry3d turn(double angle, const Eigen::Vector3d& axis = Eigen::Vector3d::UnitY()) {
+  return Eigen::Isometry3d(Eigen::AngleAxisd(angle, axis));
+}
+
+struct Tree {
+  tf2::BufferCore buffer{ros::Duration(60.0)};
+  void set(double stamp, const std::string& parent, const std::string& child, const Eigen::Isometry3d& pose,
+           bool is_static = false) {
+    geometry_msgs::TransformStamped t;
+    t.header.stamp = toTime(stamp);
+    t.header.frame_id = parent;
+    t.child_frame_id = child;
+    const Eigen::Quaterniond q(pose.linear());
+    t.transform.translation.x = pose.translation().x();
+    t.transform.translation.y = pose.translation().y();
+    t.transform.translation.z = pose.translation().z();
+    t.transform.rotation.x = q.x();
+    t.transform.rotation.y = q.y();
+    t.transform.rotation.z = q.z();
+    t.transform.rotation.w = q.w();
+    buffer.setTransform(t, "test", is_static);
+  }
+};
+
+Eigen::Isometry3d leverArm() { return Eigen::Isometry3d(Eigen::Translation3d(0.01, 0.02, 0.08)) * turn(0.1); }
+
+TEST(TransformTrack, interpolatesAndNeverExtrapolates) {
+  Tree tree;
+  TransformTrack track(tree.buffer, "base", "laser", 0.5);
+  Eigen::Isometry3d pose;
+  EXPECT_EQ(track.at(10.0, pose), PoseStatus::kWait);
+  tree.set(10.0, "base", "laser", turn(0.0));
+  tree.set(10.2, "base", "laser", turn(0.2));
+  ASSERT_EQ(track.at(10.1, pose), PoseStatus::kReady);
+  EXPECT_TRUE(pose.isApprox(turn(0.1), 1e-9));
+  EXPECT_EQ(track.at(10.3, pose), PoseStatus::kWait);
+  EXPECT_EQ(track.at(9.9, pose), PoseStatus::kNoTransform);
+}
+
+TEST(TransformTrack, doesNotBridgeAHole) {
+  Tree tree;
+  TransformTrack track(tree.buffer, "base", "laser", 0.5);
+  Eigen::Isometry3d pose;
+  tree.set(10.0, "base", "laser", turn(0.0));
+  EXPECT_EQ(track.at(10.5, pose), PoseStatus::kWait);
+  tree.set(12.0, "base", "laser", turn(0.2));
+  EXPECT_EQ(track.at(10.5, pose), PoseStatus::kTiltGap);
+  EXPECT_EQ(track.at(12.0, pose), PoseStatus::kReady);
+  tree.set(12.1, "base", "laser", turn(0.3));
+  EXPECT_EQ(track.at(12.05, pose), PoseStatus::kReady);
+}
+
+TEST(TransformTrack, aStaticTransformHoldsAtAnyTime) {
+  Tree tree;
+  tree.set(0.0, "base", "laser", leverArm(), true);
+  TransformTrack track(tree.buffer, "base", "laser", 0.5);
+  Eigen::Isometry3d pose;
+  ASSERT_EQ(track.at(123.0, pose), PoseStatus::kReady);
+  EXPECT_TRUE(pose.isApprox(leverArm(), 1e-9));
+}
+
+TEST(TfPoseSource, theTiltIsTheRotationAboutTheAxis) {
+  Tree tree;
+  for (int i = 0; i <= 100; ++i) tree.set(10.0 + 0.1 * i, "base", "laser", turn(0.1 * i - 1.0) * leverArm());
+  TfPoseSource source(Eigen::Vector3d::UnitY(), TransformTrack(tree.buffer, "base", "laser", 0.5));
+  LaserPose pose;
+  for (int i = 0; i <= 99; ++i) {  // beyond half a turn: unwrapped
+    ASSERT_EQ(source.at(10.05 + 0.1 * i, pose), PoseStatus::kReady);
+    EXPECT_NEAR(pose.tilt, 0.1 * i - 0.95 + 0.1, 1e-6);  // the mount's own 0.1 rad about the axis counts
+    EXPECT_TRUE(pose.pose.isApprox(turn(0.1 * i - 0.95) * leverArm(), 1e-3));
+  }
+}
+
+TEST(TfPoseSource, anUpsideDownLaserHasATiltToo) {
+  Tree tree;
+  const Eigen::Isometry3d upside_down = turn(M_PI, Eigen::Vector3d::UnitX());
+  for (int i = 0; i <= 10; ++i) tree.set(10.0 + 0.1 * i, "base", "laser", turn(0.1 * i + 0.2) * upside_down);
+  TfPoseSource source(Eigen::Vector3d::UnitY(), TransformTrack(tree.buffer, "base", "laser", 0.5));
+  LaserPose pose;
+  for (int i = 0; i <= 10; ++i) {
+    ASSERT_EQ(source.at(10.0 + 0.1 * i, pose), PoseStatus::kReady);
+    EXPECT_NEAR(pose.tilt, 0.1 * i, 1e-6);
+  }
+}
+
+TEST(MovingBaseSource, posesComeOutInTheFixedFrame) {
+  Tree tree;
+  TiltPoseSource joint(Eigen::Vector3d::UnitY(), {});
+  joint.setMount(leverArm());
+  for (int i = 0; i <= 10; ++i) {
+    joint.track().add(10.0 + 0.1 * i, 0.1 * i);
+    if (i <= 5) tree.set(10.0 + 0.1 * i, "odom", "base", Eigen::Isometry3d(Eigen::Translation3d(0.2 * i, 0.0, 0.0)));
+  }
+  MovingBaseSource source(joint, TransformTrack(tree.buffer, "odom", "base", 0.5));
+  LaserPose pose;
+  ASSERT_EQ(source.at(10.25, pose), PoseStatus::kReady);
+  EXPECT_NEAR(pose.tilt, 0.25, 1e-9);
+  EXPECT_TRUE(pose.base.translation().isApprox(Eigen::Vector3d(0.5, 0.0, 0.0), 1e-6));
+  EXPECT_TRUE(pose.pose.isApprox(pose.base * turn(0.25) * leverArm(), 1e-9));
+  EXPECT_EQ(source.at(10.8, pose), PoseStatus::kWait);
+  EXPECT_EQ(source.at(9.0, pose), PoseStatus::kNoTilt);
+}
+
+TEST(MountFinder, removesTheTiltAndAsksForASecondOpinion) {
+  Tree tree;
+  TiltPoseSource joint(Eigen::Vector3d::UnitY(), {});
+  MountFinder finder(TransformTrack(tree.buffer, "base", "laser", 0.5));
+  EXPECT_FALSE(finder.look(joint));
+  bool confirmed = false;
+  int looks = 0;
+  for (int i = 0; i <= 10 && !confirmed; ++i, ++looks) {
+    const double tilt = 0.3 + 0.004 * i;
+    joint.track().add(10.0 + 0.1 * i, tilt);
+    tree.set(10.0 + 0.1 * i, "base", "laser", turn(tilt) * leverArm());
+    confirmed = finder.look(joint);
+  }
+  EXPECT_TRUE(confirmed);
+  EXPECT_EQ(looks, 4);  // until the tilt has moved by more than 0.01 rad
+  ASSERT_TRUE(finder.mount());
+  EXPECT_TRUE(finder.mount()->isApprox(leverArm(), 1e-6));
+}
+
+TEST(MountFinder, aTreeThatIgnoresTheJointIsContradicted) {
+  Tree tree;
+  tree.set(0.0, "base", "laser", leverArm(), true);
+  TiltPoseSource joint(Eigen::Vector3d::UnitY(), {});
+  MountFinder finder(TransformTrack(tree.buffer, "base", "laser", 0.5));
+  joint.track().add(10.0, 0.3);
+  EXPECT_FALSE(finder.look(joint));
+  EXPECT_TRUE(finder.mount());
+  joint.track().add(10.1, 0.32);
+  EXPECT_TRUE(finder.look(joint));
+  EXPECT_TRUE(finder.contradicted());
+  EXPECT_FALSE(finder.mount());
+}
+
+TEST(LaserPoses, saysWhereTheMountComesFrom) {
+  Tree tree;
+  DriverOptions options;
+  options.joint_name = "tilt_joint";
+  EXPECT_TRUE(LaserPoses::needsTf(options));
+  LaserPoses poses(options, &tree.buffer);
+  LaserPose pose;
+  EXPECT_EQ(poses.at(10.0, pose), PoseStatus::kWait);
+  poses.setLaserFrame("laser");
+  poses.joint()->track().add(10.0, 0.0);
+  EXPECT_EQ(poses.at(10.0, pose), PoseStatus::kWait);
+  EXPECT_EQ(poses.settleMount(false), "");
+  EXPECT_FALSE(poses.mountKnown());
+  const std::string sentence = poses.settleMount(true);
+  EXPECT_NE(sentence.find("default, for tf does not know tilt_base <- laser"), std::string::npos) << sentence;
+  EXPECT_NE(sentence.find("lever_arm [0.0000, 0.0000, 0.0000]"), std::string::npos) << sentence;
+  EXPECT_EQ(poses.at(10.0, pose), PoseStatus::kReady);
+  options.mount = leverArm();
+  EXPECT_FALSE(LaserPoses::needsTf(options));
+  EXPECT_EQ(describeMount(leverArm()), "lever_arm [0.0100, 0.0200, 0.0800] m, mount_rpy [0.0000, 0.1000, 0.0000] rad");
+}
+
+}  // namespace
+}  // namespace patch_plane_clustering
