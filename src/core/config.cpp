@@ -45,8 +45,10 @@ std::vector<ConfigField> makeFields() {
       PPC_FIELD("noise_relative", Type::kDouble, 0.0, 0.5, sensor.noise_relative, "range noise as a share of the range [1]"),
       PPC_FIELD("simplification_tolerance", Type::kDouble, 0.0, 1.0, polygons.simplification_tolerance,
                 "largest distance between an outline and its simplification; 0 = keep every corner [m]"),
+      PPC_FIELD("pixel_tolerance", Type::kDouble, 0.0, 10.0, polygons.pixel_tolerance,
+                "the same in pixels across the edge, the larger applies: removes the staircase of the pixels [pixels]"),
       PPC_FIELD("min_hole_size", Type::kInt, 1, 1000000, polygons.min_hole_size,
-                "holes of fewer pixels are filled [pixels]"),
+                "holes of fewer pixels are filled, specks left out [pixels]"),
   };
 }
 

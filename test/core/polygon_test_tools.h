@@ -2,6 +2,10 @@
 // Analytic scans and polygon checks shared by the tests of the outlines.
 #pragma once
 
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"  // a false alarm of GCC 12 in Boost.Geometry
+#endif
+
 #include "patch_plane_clustering/core/beam_grid.h"
 #include "patch_plane_clustering/core/range_image.h"
 #include "patch_plane_clustering/core/segmentation.h"
