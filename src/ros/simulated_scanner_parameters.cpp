@@ -19,7 +19,9 @@ sim::ErrorModel readErrors(ParameterReader& reader) {
                            : realistic ? sim::ErrorModel::realistic(1.0)
                                        : sim::ErrorModel::dataSheet(1.0);
   for (const sim::ErrorField& field : sim::errorFields()) {
-    errors.*field.value = reader.getDouble(field.name, errors.*field.value, 0.0, field.max);
+    const double value = reader.getDouble(field.name, errors.*field.value, 0.0, field.max);
+    // Launch files always give the noise scale; `exact` is the stronger word.
+    if (!exact || field.value != &sim::ErrorModel::noise_scale) errors.*field.value = value;
   }
   errors.correlated_noise = reader.getBool("correlated_noise", errors.correlated_noise);
   errors.motion_in_line = reader.getBool("motion_in_line", errors.motion_in_line);
