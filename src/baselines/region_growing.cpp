@@ -11,13 +11,13 @@ namespace patch_plane_clustering {
 namespace {
 
 // Tuned on simulated offices and stairs of seeds that no test uses.
-constexpr int kSeedHalfWindow = 2;        // [columns]
+constexpr int kSeedHalfWindow = 4;        // [columns]
 constexpr double kPointDistance = 3.0;    // of a point from the plane, in sigmas
 constexpr double kMeanSquareError = 1.6;  // of a region, in sigmas squared
 constexpr double kRefitGrowth = 1.03;     // the plane is fitted anew when the region has grown by this factor
 
 struct Candidate {
-  float distance;  // from the plane when it was found, in sigmas
+  float distance;  // from the seed [m]: a region that grows as a disc soon has a well-conditioned plane
   int pixel;
   int parent;
   bool operator<(const Candidate& other) const {  // nearest first; ties in image order
@@ -72,10 +72,7 @@ class Growing {
     const int row = i / grid_.cols, col = i % grid_.cols;
     const auto offer = [&](int j) {
       if (visited_[j] == pass_ || labels_.labels[j] != 0 || !grid_.valid(j)) return;
-      const float distance =
-          static_cast<float>(std::abs(local_.plane.signedDistance(grid_.point(j).cast<double>())) / sigmaAt(j));
-      if (distance > 2.0F * kPointDistance) return;  // the plane will not move that far
-      queue_.push({distance, j, i});
+      queue_.push({(grid_.point(j) - seed_).norm(), j, i});
     };
     if (row > 0) offer(i - grid_.cols);
     if (row + 1 < grid_.rows) offer(i + grid_.cols);
@@ -89,6 +86,7 @@ class Growing {
     members_.clear();
     sums_ = {};
     local_ = fitPlane(windowSums(grid_, seed, window_, gapAt(grid_.range[seed], sigmaAt(seed))));
+    seed_ = grid_.point(seed);
     take(seed);
     int next_fit = 12;
     double square = 0.0;  // sum of squared distances, in sigmas
@@ -138,6 +136,7 @@ class Growing {
   std::vector<int> members_;
   PointSums sums_;
   LocalPlane local_;
+  Eigen::Vector3f seed_;
 };
 
 class RegionGrowing : public PlaneSegmenter {

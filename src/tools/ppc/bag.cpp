@@ -3,7 +3,6 @@
 #include "bag_sweeps.h"
 #include "files.h"
 #include "method_options.h"
-#include "output_file.h"
 #include "patch_plane_clustering/baselines/plane_segmenter.h"
 #include "patch_plane_clustering/ros/range_image_conversions.h"
 #include "patch_plane_clustering/ros/segmentation_conversions.h"
@@ -85,7 +84,7 @@ void run(Options options) {
     throw std::runtime_error(options.output + ": is the input; the output needs a name of its own");
   }
   requireWritable(options.output);
-  writeWhole(options.output, [&](const std::string& temporary) {
+  writeAtomically(options.output, [&](const std::string& temporary) {
     rosbag::Bag out(temporary, rosbag::bagmode::Write);
     out.setCompression(rosbag::compression::LZ4);
     Writer writer(options, out);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
 
-#include "output_file.h"
-
 #include <opencv2/imgcodecs.hpp>
 
+#include <unistd.h>
+
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
@@ -23,10 +24,34 @@ void requireReadableFile(const std::string& path) {
   if (fs::file_size(path, error) == 0) throw std::runtime_error(path + ": is empty");
 }
 
+void requireWritable(const std::string& path) {
+  const fs::path folder = fs::path(path).parent_path();
+  const std::string name = folder.empty() ? "." : folder.string();
+  if (path.empty() || access(name.c_str(), W_OK | X_OK) == 0) return;
+  throw std::runtime_error(path + ": cannot be written, folder " + name + " is missing or not writable");
+}
+
+void writeAtomically(const std::string& path, const std::function<void(const std::string&)>& write) {
+  const fs::path target(path);
+  const fs::path temporary = target.parent_path() / ("." + target.stem().string() + "." + std::to_string(getpid()) + ".tmp" +
+                                                     target.extension().string());
+  std::error_code error, ignored;
+  try {
+    write(temporary.string());
+  } catch (...) {
+    fs::remove(temporary, ignored);
+    throw;
+  }
+  fs::rename(temporary, target, error);
+  if (!error) return;
+  fs::remove(temporary, ignored);
+  throw std::runtime_error(path + ": " + error.message());
+}
+
 void writeText(const std::string& path, const std::string& text) {
   if (path.empty()) return;
   requireWritable(path);
-  writeWhole(path, [&](const std::string& temporary) {
+  writeAtomically(path, [&](const std::string& temporary) {
     std::ofstream out(temporary, std::ios::binary);
     if (!out) throw std::runtime_error(path + ": cannot be written");
     out << text;
@@ -38,7 +63,7 @@ void writeText(const std::string& path, const std::string& text) {
 void writeImage(const std::string& path, const cv::Mat& image) {
   if (path.empty()) return;
   requireWritable(path);
-  writeWhole(path, [&](const std::string& temporary) {
+  writeAtomically(path, [&](const std::string& temporary) {
     bool written = false;
     try {
       written = cv::imwrite(temporary, image);
@@ -47,6 +72,14 @@ void writeImage(const std::string& path, const cv::Mat& image) {
     }
     if (!written) throw std::runtime_error(path + ": cannot be written");
   });
+}
+
+std::string numbered(const std::string& path, int index, bool several) {
+  if (path.empty() || !several) return path;
+  const fs::path p(path);
+  char suffix[16];
+  std::snprintf(suffix, sizeof suffix, "-%04d", index);
+  return (p.parent_path() / (p.stem().string() + suffix + p.extension().string())).string();
 }
 
 }  // namespace patch_plane_clustering

@@ -3,6 +3,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include <functional>
 #include <string>
 
 namespace patch_plane_clustering {
@@ -10,10 +11,21 @@ namespace patch_plane_clustering {
 /// @brief Throws std::runtime_error "FILE: cause" unless `path` is a readable, regular, non-empty file.
 void requireReadableFile(const std::string& path);
 
+/// @brief Throws std::runtime_error naming `path` unless a file can be made in its folder. An empty path is fine.
+void requireWritable(const std::string& path);
+
+/// @brief Lets `write` fill a file beside `path` and renames it to `path` when it has succeeded, so that no output is ever
+/// half written. The temporary name keeps the extension. @throws std::runtime_error naming `path`; what `write` throws
+/// passes.
+void writeAtomically(const std::string& path, const std::function<void(const std::string& temporary)>& write);
+
 /// @brief Writes text, whole or not at all. An empty path writes nothing. @throws std::runtime_error naming the file.
 void writeText(const std::string& path, const std::string& text);
 
 /// @brief The same for a picture; the extension chooses the format. An empty path writes nothing.
 void writeImage(const std::string& path, const cv::Mat& image);
+
+/// @brief OUT.png of image 3 of several -> OUT-0003.png; of a single image, or an empty path: unchanged.
+std::string numbered(const std::string& path, int index, bool several);
 
 }  // namespace patch_plane_clustering

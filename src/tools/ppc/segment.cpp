@@ -3,7 +3,6 @@
 #include "cloud_file.h"
 #include "files.h"
 #include "method_options.h"
-#include "output_file.h"
 #include "patch_plane_clustering/baselines/plane_segmenter.h"
 #include "picture.h"
 #include "result_files.h"
@@ -50,13 +49,13 @@ void segmentImage(const SegmentOptions& options, const Config& config, PlaneSegm
     for (int i = 0; i < options.repeat; ++i) runs.push_back(segmentWith(method, grid, config).stages);
     result.stages = medianStages(runs);
   }
-  if (!options.labels.empty()) writeImage(numberedPath(options.labels, index, several), labelPicture(result.labels));
+  if (!options.labels.empty()) writeImage(numbered(options.labels, index, several), labelPicture(result.labels));
   if (!options.polygons.empty()) {
-    writeText(numberedPath(options.polygons, index, several), polygonsJson(grid, result, source).dump(1) + "\n");
+    writeText(numbered(options.polygons, index, several), polygonsJson(grid, result, source).dump(1) + "\n");
   }
-  if (!options.mesh.empty()) writeText(numberedPath(options.mesh, index, several), meshPly(result));
+  if (!options.mesh.empty()) writeText(numbered(options.mesh, index, several), meshPly(result));
   if (!options.picture.empty()) {
-    writeImage(numberedPath(options.picture, index, several), drawSegmentation(grid, result));
+    writeImage(numbered(options.picture, index, several), drawSegmentation(grid, result));
   }
   nlohmann::ordered_json line = {{"input", options.input}, {"image", index}, {"method", options.method.method}};
   line.update(statisticsJson(grid, result));
@@ -64,6 +63,7 @@ void segmentImage(const SegmentOptions& options, const Config& config, PlaneSegm
 }
 
 void run(const SegmentOptions& options) {
+  for (const auto& path : {options.labels, options.polygons, options.mesh, options.picture}) requireWritable(path);
   const Config config = options.method.config();
   const auto method = makeSegmenter(options.method.method);
   if (std::filesystem::path(options.input).extension() != ".bag") {
