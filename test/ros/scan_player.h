@@ -82,12 +82,12 @@ class ScanPlayer {
     s.header.stamp = ros::Time(t);
     s.angle_min = -1.5F;
     s.angle_increment = 0.025F;
-    s.angle_max = 1.5F;
+    s.angle_max = s.angle_min + static_cast<float>(beams - 1) * s.angle_increment;
     s.time_increment = time_increment;
     s.scan_time = 0.025F;
     s.range_min = 0.02F;
     s.range_max = 30.0F;
-    for (int i = 0; i <= 120; ++i) {
+    for (int i = 0; i < beams; ++i) {
       const Eigen::Isometry3d laser = laserAt(s.header.stamp.toSec() + i * static_cast<double>(s.time_increment));
       const double bearing = static_cast<double>(s.angle_min) + i * static_cast<double>(s.angle_increment);
       const Eigen::Vector3d in_laser(std::cos(bearing), std::sin(bearing), 0.0);
@@ -96,6 +96,8 @@ class ScanPlayer {
     }
     return s;
   }
+
+  void publishJoint(const sensor_msgs::JointState& message) { joint_pub_.publish(message); }
 
   void publishJoint(double t) {
     sensor_msgs::JointState m;
@@ -172,6 +174,7 @@ class ScanPlayer {
   Eigen::Vector3d axis = Eigen::Vector3d::UnitY();
   Eigen::Isometry3d mount = Eigen::Isometry3d::Identity();
   float time_increment = 1.25e-4F;
+  int beams = 121;
   bool with_joint = true;
   bool with_tf = false;
   bool with_base_motion = false;

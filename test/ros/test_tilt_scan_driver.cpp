@@ -283,6 +283,69 @@ TEST(TiltScanDriver, aLoopingBagStartsAgain) {
   EXPECT_GE(player.diagnosed("Clock resets"), 1.0);
 }
 
+TEST(TiltScanDriver, badJointMessagesAreCountedAndMoveNoRow) {
+  ScanPlayer player("/nod");
+  nodding(player);
+  const double start = kBase + 800.0;
+  ASSERT_TRUE(player.connect());
+  ASSERT_TRUE(player.freshDiagnostics());
+  const auto counts = [&] {
+    return std::vector<double>{
+        player.diagnosed("Joint messages rejected: incomplete"), player.diagnosed("Joint samples rejected: not finite"),
+        player.diagnosed("Joint samples rejected: not newer"), player.diagnosed("Joint samples rejected: implausible")};
+  };
+  const std::vector<double> before = counts();
+  player.play(start, start + 1.0);
+  sensor_msgs::JointState message;
+  message.header.stamp = ros::Time(start + 0.992);
+  message.name = {"other_joint", "tilt_joint"};
+  message.position = {1.0};
+  player.publishJoint(message);
+  message.position = {1.0, 0.0};
+  message.header.stamp = ros::Time();
+  player.publishJoint(message);
+  message.header.stamp = ros::Time(start + 0.992);
+  message.position[1] = std::numeric_limits<double>::quiet_NaN();
+  player.publishJoint(message);
+  message.position[1] = 2.5;  // no motor is that fast
+  player.publishJoint(message);
+  message.header.stamp = ros::Time(start + 0.5);
+  player.publishJoint(message);
+  message.name = {"other_joint"};  // no business of ours
+  message.position.clear();
+  player.publishJoint(message);
+  player.play(start + 1.0, start + 4.4);
+  ASSERT_TRUE(ScanPlayer::waitFor([&] { return player.clouds.size() >= 2; }));
+  for (const auto& cloud : player.clouds) EXPECT_LT(worstPoint(*cloud), 0.001);
+  ASSERT_TRUE(player.freshDiagnostics());
+  const std::vector<double> after = counts();
+  EXPECT_EQ(after[0] - before[0], 2.0);
+  EXPECT_EQ(after[1] - before[1], 1.0);
+  EXPECT_EQ(after[2] - before[2], 1.0);
+  EXPECT_EQ(after[3] - before[3], 1.0);
+}
+
+TEST(TiltScanDriver, aChangeOfTheBeamCountStartsANewSweep) {
+  ScanPlayer player("/nod");
+  nodding(player);
+  const double start = kBase + 900.2;
+  ASSERT_TRUE(player.connect());
+  ASSERT_TRUE(player.freshDiagnostics());
+  const double before = player.diagnosed("Layout changes");
+  player.play(start, start + 0.8);
+  player.beams = 61;
+  player.play(start + 0.8, start + 2.4);
+  const auto now = [&] { return !player.images.empty() && player.images.back()->width == 61; };
+  ASSERT_TRUE(ScanPlayer::waitFor(now));
+  ASSERT_GE(player.images.size(), 2U);
+  const RangeImageMsg& first = *player.images[player.images.size() - 2];
+  EXPECT_EQ(first.width, 121U);
+  EXPECT_NEAR(first.height, 32, 2);
+  for (const auto& cloud : player.clouds) EXPECT_LT(worstPoint(*cloud), 0.001);
+  ASSERT_TRUE(player.freshDiagnostics());
+  EXPECT_EQ(player.diagnosed("Layout changes") - before, 1.0);
+}
+
 TEST(TiltScanDriver, aBadParameterIsNamedAndTheDriverRefuses) {
   ScanPlayer player("/wrong");
   ASSERT_TRUE(player.freshDiagnostics());
