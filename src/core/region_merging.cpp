@@ -9,8 +9,8 @@
 namespace patch_plane_clustering {
 namespace {
 
-constexpr double kWholeTolerance = 2.5;  // tolerance over a whole region over that from patch to patch
-constexpr double kStepTolerance = 1.25;  // tolerance of a step along a border, likewise
+constexpr double kWholeTolerance = 2.0;  // tolerance over a whole region over that from patch to patch
+constexpr double kStepTolerance = 1.0;  // tolerance of a step along a border, likewise
 constexpr double kMaxRadius = 0.5;       // of a region, for the tolerance of its angle [m]
 constexpr int kBorderSteps = 2;          // depth of a border in cells
 constexpr int kMinBorderPoints = 6;

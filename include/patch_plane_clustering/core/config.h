@@ -14,7 +14,7 @@ namespace patch_plane_clustering {
 struct Config {
   int patch_size = 4;                 ///< k: columns of a patch; its rows follow from the angular steps [pixels]
   double sigma_angle = 0.005;         ///< model tolerance of the angle between coplanar patches [rad]
-  double sigma_distance = 0.004;      ///< model tolerance of the distance between coplanar patches [m]
+  double sigma_distance = 0.005;      ///< model tolerance of the distance between coplanar patches [m]
   double similarity_threshold = 0.1;  ///< patches of at least this Gaussian similarity are coplanar, 0..1
   int min_size = 350;                 ///< smallest region [points]
   bool refine = true;                 ///< assign points one by one along the borders of clusters

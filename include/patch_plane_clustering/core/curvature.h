@@ -24,7 +24,8 @@ std::vector<Bend> measureBends(const BeamGrid& grid, const LabelImage& labels, c
 ///
 /// A region is curved if its normal turns by more than `max_turn` from end to end *and* the bend is beyond noise and
 /// tolerance. The turn tells a cylinder (a strip as thick as the noise still turns by tenths of a radian) from a real wall,
-/// which may bow by a centimetre over several metres.
+/// which may bow by a centimetre over several metres. Touching regions that meet at an angle are strips of one curved surface
+/// if one quadratic surface serves both; at the crease of two planes it does not.
 void dropCurvedRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double max_turn,
                        LabelImage& labels);
 
