@@ -19,6 +19,7 @@ constexpr double kSignificance = 25.0;   // far beyond chi-square with 3 degrees
 constexpr double kMinAmplitude = 0.5;    // of a bend, in tolerances of distance
 constexpr double kFanRatio = 0.15;       // misfit of one quadratic surface over that of one plane, for two strips of a fan
 constexpr double kFanMisfit = 0.1;       // the same misfit per point, in units of the noise variance
+constexpr double kEdgeTolerance = 3.0;   // of a bent edge of a plane, in tolerances of distance
 constexpr double kUniformWidth = 3.46;  // width of a uniform distribution over its standard deviation
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -156,6 +157,16 @@ bool isFan(const PlanarRegion& a, const PlanarRegion& b, const std::vector<Sampl
          quadratic_excess < kFanMisfit * tolerance.inflation * both.points;
 }
 
+// Root mean square distance of samples from a plane, their noise taken out [m].
+double misfit(const Plane& plane, const std::vector<Sample>& samples) {
+  double sum = 0.0;
+  for (const Sample& sample : samples) {
+    const double distance = plane.signedDistance(sample.point);
+    sum += distance * distance - sample.sigma * sample.sigma;
+  }
+  return std::sqrt(std::max(0.0, sum / static_cast<double>(std::max<std::size_t>(1, samples.size()))));
+}
+
 struct RegionSamples {
   std::vector<PlanarRegion> regions;
   std::vector<std::vector<Sample>> samples;  // of each region
@@ -191,8 +202,9 @@ std::vector<Bend> measureBends(const BeamGrid& grid, const LabelImage& labels, c
 void dropCurvedRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double max_turn,
                        LabelImage& labels) {
   const RegionSamples all = sampleRegions(grid, labels, noise);
-  if (all.regions.empty()) return;
-  const std::size_t size = static_cast<std::size_t>(all.regions.back().id) + 1;
+  // Labels of fewer than three points have no region.
+  std::size_t size = 1;
+  for (const std::int32_t label : labels.labels) size = std::max(size, static_cast<std::size_t>(label) + 1);
   std::vector<int> index(size, -1);
   std::vector<bool> curved(size, false);
   for (std::size_t k = 0; k < all.regions.size(); ++k) {
@@ -202,14 +214,31 @@ void dropCurvedRegions(const BeamGrid& grid, const NoiseModel& noise, const Copl
                                 bend.excess > kSignificance * tolerance.inflation;
   }
   const std::vector<bool> alone = curved;
-  for (const auto& [a, b] : touchingLabels(labels, 2)) {
+  const auto touching = touchingLabels(labels, 2);
+  for (const auto& [a, b] : touching) {
     if (index[a] < 0 || index[b] < 0 || (alone[a] && alone[b])) continue;
     if (isFan(all.regions[index[a]], all.regions[index[b]], all.samples[index[a]], all.samples[index[b]], tolerance, max_turn)) {
       curved[a] = curved[b] = true;
     }
   }
+  // A bent strip along a larger plane that it hardly leaves is the soft edge of that plane.
+  std::vector<std::int32_t> renamed(size);
+  for (std::size_t label = 0; label < size; ++label) {
+    renamed[label] = curved[label] || index[label] < 0 ? 0 : static_cast<std::int32_t>(label);
+  }
+  std::vector<int> host_points(size, 0);
+  for (const auto& [a, b] : touching) {
+    for (const auto& [strip, host] : {std::pair(a, b), std::pair(b, a)}) {
+      if (index[strip] < 0 || index[host] < 0 || !alone[strip] || curved[host]) continue;
+      const PlanarRegion& plane = all.regions[index[host]];
+      if (plane.points <= std::max(host_points[strip], all.regions[index[strip]].points)) continue;
+      if (misfit(plane.plane, all.samples[index[strip]]) > kEdgeTolerance * tolerance.sigma_distance) continue;
+      host_points[strip] = plane.points;
+      renamed[strip] = host;
+    }
+  }
   for (std::int32_t& label : labels.labels) {
-    if (label > 0 && static_cast<std::size_t>(label) < size && curved[label]) label = 0;
+    label = renamed[label];
   }
 }
 

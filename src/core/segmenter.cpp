@@ -86,10 +86,14 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vecto
     labels = refineLabels(grid, patches, labels, labelPlanes(grid, patches, noise, labels), noise, tolerance);
     lap("refinement");
     if (config.second_pass) {
+      const LabelImage first = labels;
       addSmallRegions(grid, noise, tolerance, config, labels);
       lap("second pass");
+      LabelImage resolved = refineLabels(grid, patches, labels, labelPlanes(grid, patches, noise, labels), noise, tolerance);
+      for (std::size_t i = 0; i < first.labels.size(); ++i) {
+        labels.labels[i] = first.labels[i] > 0 ? first.labels[i] : resolved.labels[i];
+      }
       mergeLabels(grid, patches, noise, tolerance, config.similarity_threshold, labels);
-      labels = refineLabels(grid, patches, labels, labelPlanes(grid, patches, noise, labels), noise, tolerance);
       lap("second refinement");
     }
   }
