@@ -17,6 +17,8 @@ namespace {
 constexpr int kMaxSamples = 1500;
 constexpr double kSignificance = 25.0;   // far beyond chi-square with 3 degrees of freedom
 constexpr double kMinAmplitude = 0.5;    // of a bend, in tolerances of distance
+constexpr double kFanAngle = 0.7;        // smallest angle between two strips of a fan, in max_turn
+constexpr int kFanSizes = 6;              // largest ratio of their sizes
 constexpr double kFanRatio = 0.15;       // misfit of one quadratic surface over that of one plane, for two strips of a fan
 constexpr double kFanMisfit = 0.1;       // the same misfit per point, in units of the noise variance
 constexpr double kEdgeTolerance = 3.0;   // of a bent edge of a plane, in tolerances of distance
@@ -145,8 +147,10 @@ std::set<std::pair<std::int32_t, std::int32_t>> touchingLabels(const LabelImage&
 // One smooth surface serves both as well as two of their own would, one plane does not: strips of a fan.
 bool isFan(const PlanarRegion& a, const PlanarRegion& b, const std::vector<Sample>& samples_a,
            const std::vector<Sample>& samples_b, const CoplanarityTolerance& tolerance, double max_turn) {
+  // A scrap beside a large plane proves nothing about the plane.
+  if (a.points > kFanSizes * b.points || b.points > kFanSizes * a.points) return false;
   const double cosine = a.plane.normal.dot(b.plane.normal);
-  if (cosine > std::cos(max_turn) || cosine < 0.6) return false;
+  if (cosine > std::cos(kFanAngle * max_turn) || cosine < 0.6) return false;
   const Eigen::Vector3d n = (a.points * a.plane.normal + b.points * b.plane.normal).normalized();
   const QuadraticFit fit_a = fitQuadratic(n, {&samples_a});
   const QuadraticFit fit_b = fitQuadratic(n, {&samples_b});
