@@ -292,6 +292,45 @@ TEST(SweepAssembler, aClockThatJumpsBackDropsTheOpenSweepAndGoesOn) {
   rig.expectAccountsClose();
 }
 
+TEST(SweepAssembler, aClockThatJumpsForwardEndsTheSweepAndGoesOn) {
+  Rig rig;
+  rig.run(0.0, 1.0);
+  rig.run(1000.0, 1005.0);
+  ASSERT_EQ(rig.sweeps.size(), 3U);
+  EXPECT_EQ(rig.sweeps[0].end, SweepEnd::kLineGap);
+  EXPECT_EQ(rig.sweeps[1].end, SweepEnd::kTurn);
+  EXPECT_EQ(rig.assembler.accounts().clock_resets, 0U);
+  EXPECT_LE(rig.assembler.accounts().allDrops(), 4U);  // before the jump is confirmed
+  for (const Sweep& sweep : rig.sweeps) {
+    EXPECT_LT(worstPointError(rig, sweep, Eigen::Vector3d::UnitY(), Eigen::Isometry3d::Identity()), 0.001);
+  }
+  rig.expectAccountsClose();
+}
+
+TEST(SweepAssembler, samplesLateByHalfASecondLoseNoLine) {
+  Rig rig;
+  for (int tick = 0; tick < 1000; ++tick) {
+    const double t = kStart + tick / 200.0;
+    if (tick % 2 == 0 && tick >= 100) rig.sample(t - 0.5);
+    if (tick % 5 == 0) rig.assembler.push(rig.line(t));
+  }
+  ASSERT_EQ(rig.sweeps.size(), 2U);
+  EXPECT_EQ(rig.assembler.accounts().allDrops(), 0U);
+  EXPECT_LT(worstPointError(rig, rig.sweeps[1], Eigen::Vector3d::UnitY(), Eigen::Isometry3d::Identity()), 0.001);
+  rig.expectAccountsClose();
+}
+
+TEST(SweepAssembler, aJointThatFallsSilentIsGivenUpAfterAWhile) {
+  Rig rig;
+  rig.run(0.0, 1.0);
+  for (int i = 0; i < 400; ++i) rig.assembler.push(rig.line(kStart + 1.0 + 0.025 * i));
+  EXPECT_GT(rig.assembler.accounts().drops(DropCause::kNoTilt) + rig.assembler.accounts().drops(DropCause::kQueueFull),
+            150U);
+  EXPECT_LE(rig.assembler.accounts().pending, 240U);
+  EXPECT_EQ(rig.assembler.openLines(), 40);  // not one line was placed without a sample
+  rig.expectAccountsClose();
+}
+
 TEST(SweepAssembler, oneStrayStampNeitherResetsNorBlocks) {
   Rig rig;
   rig.run(0.0, 1.0);
