@@ -7,6 +7,7 @@ Other options go to rosbag play.
 """
 import argparse
 import os
+import subprocess
 import sys
 import time
 
@@ -48,6 +49,8 @@ def main():
     parser.add_argument("--wait", metavar="TOPIC", action="append", default=[], help="play when it has a subscriber")
     parser.add_argument("--timeout", type=float, default=60.0, help="longest time to wait [s]")
     parser.add_argument("--repeat", choices=("true", "false"), default="false", help="begin again at the end")
+    parser.add_argument("--linger", type=float, default=3.0,
+                        help="wait so long after the end: the driver closes an open sweep when it has been idle for a while [s]")
     parser.add_argument("bag", help="bag to play")
     options, rest = parser.parse_known_args()
     bag = find_bag(options.bag)
@@ -55,12 +58,15 @@ def main():
     if not players:
         sys.exit("play_bag: rosbag's play is not installed")
     wait_for_subscribers(options.wait, options.timeout)
-    sys.stdout.flush()
     # The delay lets the subscribers connect. roslaunch's own arguments (__name, __log, remappings) are among the rest.
-    if options.repeat == "true":
-        rest.insert(0, "--loop")
-    os.execv(players[0], [players[0], "--delay=1", bag] + rest)
+    try:
+        status = subprocess.call([players[0], "--delay=1", bag] + rest)
+        if status == 0:
+            time.sleep(options.linger)
+    except KeyboardInterrupt:  # the player has been told as well
+        status = 0
+    return status
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())
