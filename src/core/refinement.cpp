@@ -12,39 +12,49 @@ constexpr float kCap = 9.0F;              // squared residual beyond which a poi
 constexpr float kMaxWindowCost = 5.0F;    // mean capped cost over the window that a plane may have
 constexpr float kMaxOwnResidual = 12.0F;  // squared residual of the point itself
 
-// Squared residual of a pixel against a plane, in units of its variance, and the log of that variance.
-struct Residual {
-  float z2;
-  float log_variance;
-};
-
-class PlaneResiduals {
+// Squared residuals of the pixels of a cell against one plane, in units of their variance. The tolerance's share of the variance
+// changes little over a cell: it is taken at one pixel.
+class CellResiduals {
  public:
-  PlaneResiduals(const BeamGrid& grid, const Eigen::Vector3d& center, const NoiseModel& noise,
-                 const CoplanarityTolerance& tolerance)
-      : grid_(grid), center_(center.cast<float>()), noise_(noise) {
-    floor_ = static_cast<float>(tolerance.sigma_distance * tolerance.sigma_distance);
+  CellResiduals(const BeamGrid& grid, const Eigen::Vector3f& center, const NoiseModel& noise, float floor, int pixel,
+                const Eigen::Vector3f& a)
+      : grid_(grid), center_(center), a_(a) {
+    const float range = grid.range[pixel];
+    const float along = a.dot(grid.direction(pixel));
+    const float sec2 = std::min(30.0F, a.squaredNorm() / (along * along));
+    const auto sigma = static_cast<float>(noise.sigma(range));
+    const float variance = sigma * sigma + floor * floor * sec2;
+    precision_ = 1.0F / variance;
+    log_variance_ = std::log(variance / (sigma * sigma));
   }
 
-  Residual operator()(int i, const Eigen::Vector3f& a) const {
-    const float r = grid_.range[i];
-    const Eigen::Vector3f u = grid_.direction(i);
-    const float along = a.dot(u);
-    const float model = (1.0F - a.dot(grid_.origin(i) - center_)) / along;
-    if (!(model > 0.0F)) return {std::numeric_limits<float>::infinity(), 0.0F};
-    const auto sigma = static_cast<float>(noise_.sigma(r));
-    const float sec2 = std::min(30.0F, a.squaredNorm() / (along * along));
-    const float extra = floor_ * sec2 / (sigma * sigma);
-    const float e = (r - model) / sigma;
-    return {e * e / (1.0F + extra), std::log(1.0F + extra)};
+  float operator()(int i) const {
+    const float along = a_.dot(grid_.direction(i));
+    const float model = (1.0F - a_.dot(grid_.origin(i) - center_)) / along;
+    const float e = grid_.range[i] - model;
+    return model > 0.0F ? e * e * precision_ : std::numeric_limits<float>::infinity();
   }
+
+  /// Logarithm of the variance over that of the noise alone: a lenient plane explains everything, but nothing well.
+  float logVariance() const { return log_variance_; }
 
  private:
   const BeamGrid& grid_;
-  Eigen::Vector3f center_;
-  const NoiseModel& noise_;
-  float floor_ = 0.0F;
+  Eigen::Vector3f center_, a_;
+  float precision_ = 0.0F, log_variance_ = 0.0F;
 };
+
+// The valid pixel nearest to the middle of a cell, in scan order; -1 if there is none.
+int middlePixel(const BeamGrid& grid, const Patch& cell) {
+  int middle = -1, valid = 0;
+  for (int r = cell.row_begin; r < cell.row_end; ++r) {
+    for (int c = cell.col_begin; c < cell.col_end; ++c) {
+      const int i = grid.index(r, c);
+      if (grid.valid(i) && 2 * valid++ <= cell.moments.n) middle = i;
+    }
+  }
+  return middle;
+}
 
 // Patches within two steps of a patch, itself included, in ascending order.
 void neighbourhood(const PatchGrid& patches, int index, std::vector<int>& out) {
@@ -74,30 +84,40 @@ LabelImage emptyLabels(const BeamGrid& grid) {
 class PatchResolver {
  public:
   PatchResolver(const BeamGrid& grid, const PatchGrid& patches, const std::vector<Eigen::Vector3d>& planes,
-                const PlaneResiduals& residuals)
-      : grid_(grid), patches_(patches), planes_(planes), residuals_(residuals) {}
+                const NoiseModel& noise, const CoplanarityTolerance& tolerance)
+      : grid_(grid),
+        patches_(patches),
+        planes_(planes),
+        noise_(noise),
+        center_(patches.center.cast<float>()),
+        floor_(static_cast<float>(tolerance.sigma_distance)) {}
 
-  void resolve(const Patch& patch, const std::vector<std::int32_t>& candidates, LabelImage& out) {
+  CellResiduals residuals(int pixel, std::int32_t label) const {
+    return CellResiduals(grid_, center_, noise_, floor_, pixel, planes_[label].cast<float>());
+  }
+
+  void resolve(const Patch& patch, const std::vector<std::int32_t>& candidates, const LabelImage* fixed, LabelImage& out) {
     const int strip = patch.col_begin / patches_.strip_cols;
     const int reach_rows = std::max(1, patches_.strip_rows[strip] / patches_.strip_cols);
     const int top = std::max(0, patch.row_begin - reach_rows), bottom = std::min(grid_.rows, patch.row_end + reach_rows);
     const int left = std::max(0, patch.col_begin - 1), right = std::min(grid_.cols, patch.col_end + 1);
     const int width = right - left;
     const std::size_t size = static_cast<std::size_t>(bottom - top) * width;
+    const int middle = middlePixel(grid_, patch);
+    if (middle < 0) return;
     best_.assign(size, kMaxWindowCost);
     winner_.assign(size, 0);
     for (const std::int32_t candidate : candidates) {
-      const Eigen::Vector3f a = planes_[candidate].cast<float>();
+      const CellResiduals squared = residuals(middle, candidate);
       cost_.assign(size, -1.0F);
       own_.assign(size, 0.0F);
       for (int r = top; r < bottom; ++r) {
         for (int c = left; c < right; ++c) {
           const int i = grid_.index(r, c);
           if (!grid_.valid(i)) continue;
-          const Residual residual = residuals_(i, a);
           const std::size_t at = static_cast<std::size_t>(r - top) * width + (c - left);
-          own_[at] = residual.z2;
-          cost_[at] = std::min(residual.z2, kCap) + residual.log_variance;
+          own_[at] = squared(i);
+          cost_[at] = std::min(own_[at], kCap) + squared.logVariance();
         }
       }
       for (int r = patch.row_begin; r < patch.row_end; ++r) {
@@ -124,7 +144,9 @@ class PatchResolver {
     }
     for (int r = patch.row_begin; r < patch.row_end; ++r) {
       for (int c = patch.col_begin; c < patch.col_end; ++c) {
-        out.labels[grid_.index(r, c)] = winner_[static_cast<std::size_t>(r - top) * width + (c - left)];
+        const int i = grid_.index(r, c);
+        if (fixed != nullptr && fixed->labels[i] > 0) continue;
+        out.labels[i] = winner_[static_cast<std::size_t>(r - top) * width + (c - left)];
       }
     }
   }
@@ -133,7 +155,9 @@ class PatchResolver {
   const BeamGrid& grid_;
   const PatchGrid& patches_;
   const std::vector<Eigen::Vector3d>& planes_;
-  const PlaneResiduals& residuals_;
+  const NoiseModel& noise_;
+  Eigen::Vector3f center_;
+  float floor_;
   std::vector<float> cost_, own_, best_;
   std::vector<std::int32_t> winner_;
 };
@@ -150,37 +174,42 @@ LabelImage patchLabels(const BeamGrid& grid, const PatchGrid& patches, const Pat
 
 LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const LabelImage& labels,
                         const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
-                        const CoplanarityTolerance& tolerance) {
-  LabelImage out = emptyLabels(grid);
-  const PlaneResiduals residuals(grid, cells.center, noise, tolerance);
-  PatchResolver resolver(grid, cells, planes, residuals);
+                        const CoplanarityTolerance& tolerance, const LabelImage* fixed) {
+  LabelImage out = fixed != nullptr ? *fixed : emptyLabels(grid);
+  PatchResolver resolver(grid, cells, planes, noise, tolerance);
 
-  std::vector<std::vector<std::int32_t>> seen(cells.patches.size());  // labels in each cell; 0 if some pixel has none
-  for (std::size_t k = 0; k < cells.patches.size(); ++k) {
+  // The labels in each cell; 0 if some pixel has none.
+  const int count = static_cast<int>(cells.patches.size());
+  std::vector<int> begin(cells.patches.size() + 1, 0);
+  std::vector<std::int32_t> seen;
+  std::vector<bool> open(cells.patches.size(), fixed == nullptr);
+  for (int k = 0; k < count; ++k) {
     const Patch& cell = cells.patches[k];
     for (int r = cell.row_begin; r < cell.row_end; ++r) {
-      for (int c = cell.col_begin; c < cell.col_end; ++c) {
-        const int i = grid.index(r, c);
+      for (int i = grid.index(r, cell.col_begin); i < grid.index(r, cell.col_end); ++i) {
         if (!grid.valid(i)) continue;
         const std::int32_t label = labels.labels[i];
-        if (std::find(seen[k].begin(), seen[k].end(), label) == seen[k].end()) seen[k].push_back(label);
+        if (std::find(seen.begin() + begin[k], seen.end(), label) == seen.end()) seen.push_back(label);
+        if (fixed != nullptr && fixed->labels[i] == 0) open[k] = true;
       }
     }
+    begin[k + 1] = static_cast<int>(seen.size());
   }
   std::vector<int> around;
   std::vector<std::int32_t> candidates;
-  for (int k = 0; k < static_cast<int>(cells.patches.size()); ++k) {
-    if (seen[k].empty()) continue;
+  for (int k = 0; k < count; ++k) {
+    if (begin[k] == begin[k + 1] || !open[k]) continue;
     const Patch& cell = cells.patches[k];
-    const std::int32_t own = seen[k].size() == 1 ? seen[k].front() : 0;
+    const std::int32_t own = begin[k + 1] - begin[k] == 1 ? seen[begin[k]] : 0;
     bool inside = own > 0;
-    cells.forEachNeighbour(k, [&](int j) { inside = inside && seen[j].size() <= 1 && (seen[j].empty() || seen[j][0] == own); });
+    cells.forEachNeighbour(k, [&](int j) {
+      for (int s = begin[j]; s < begin[j + 1]; ++s) inside = inside && seen[s] == own;
+    });
     if (inside) {
-      const Eigen::Vector3f a = planes[own].cast<float>();
+      const CellResiduals squared = resolver.residuals(middlePixel(grid, cell), own);
       for (int r = cell.row_begin; r < cell.row_end; ++r) {
-        for (int c = cell.col_begin; c < cell.col_end; ++c) {
-          const int i = grid.index(r, c);
-          if (grid.valid(i) && residuals(i, a).z2 <= kMaxOwnResidual) out.labels[i] = own;
+        for (int i = grid.index(r, cell.col_begin); i < grid.index(r, cell.col_end); ++i) {
+          if (grid.valid(i) && squared(i) <= kMaxOwnResidual) out.labels[i] = own;
         }
       }
       continue;
@@ -188,13 +217,13 @@ LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const Labe
     neighbourhood(cells, k, around);
     candidates.clear();
     for (const int j : around) {
-      for (const std::int32_t label : seen[j]) {
-        if (label > 0) candidates.push_back(label);
+      for (int s = begin[j]; s < begin[j + 1]; ++s) {
+        if (seen[s] > 0) candidates.push_back(seen[s]);
       }
     }
     std::sort(candidates.begin(), candidates.end());
     candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
-    if (!candidates.empty()) resolver.resolve(cell, candidates, out);
+    if (!candidates.empty()) resolver.resolve(cell, candidates, fixed, out);
   }
   return out;
 }

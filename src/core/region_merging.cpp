@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <utility>
 
 namespace patch_plane_clustering {
@@ -16,33 +17,6 @@ constexpr int kBorderSteps = 2;          // depth of a border in cells
 constexpr int kMinBorderPoints = 6;
 
 using Pair = std::pair<std::int32_t, std::int32_t>;
-
-struct CellShare {
-  std::int32_t label;
-  Moments moments;
-};
-
-// The labels in every cell, with their moments.
-std::vector<std::vector<CellShare>> shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise,
-                                               const LabelImage& labels) {
-  std::vector<std::vector<CellShare>> shares(cells.patches.size());
-  for (std::size_t k = 0; k < cells.patches.size(); ++k) {
-    const Patch& cell = cells.patches[k];
-    for (int r = cell.row_begin; r < cell.row_end; ++r) {
-      for (int c = cell.col_begin; c < cell.col_end; ++c) {
-        const int i = grid.index(r, c);
-        const std::int32_t label = labels.labels[i];
-        if (label == 0 || !grid.valid(i)) continue;
-        auto share = std::find_if(shares[k].begin(), shares[k].end(), [&](const auto& s) { return s.label == label; });
-        if (share == shares[k].end()) share = shares[k].insert(share, {label, Moments()});
-        const Eigen::Vector3d p = grid.point(i).cast<double>() - cells.center;
-        const double precision = grid.range[i] / noise.sigma(grid.range[i]);
-        share->moments.add(p.x(), p.y(), p.z(), precision * precision);
-      }
-    }
-  }
-  return shares;
-}
 
 double radius(const Moments& m) {
   return std::sqrt(std::max(0.0, (m.xx + m.yy + m.zz) / m.w - m.mean().squaredNorm()));
@@ -71,8 +45,7 @@ double stepSimilarity(const Moments& a, const Moments& b, const PlaneFit& joint,
 }
 
 // Moments of both sides of every border: cells within kBorderSteps of a cell in which, or next to which, the labels meet.
-std::map<Pair, std::pair<Moments, Moments>> measureBorders(const PatchGrid& cells,
-                                                           const std::vector<std::vector<CellShare>>& shares) {
+std::map<Pair, std::pair<Moments, Moments>> measureBorders(const PatchGrid& cells, const CellShares& all) {
   std::map<Pair, std::vector<int>> meeting;
   const auto meet = [&](std::int32_t a, std::int32_t b, int i, int j) {
     if (a == b) return;
@@ -80,63 +53,130 @@ std::map<Pair, std::pair<Moments, Moments>> measureBorders(const PatchGrid& cell
     at.push_back(i);
     at.push_back(j);
   };
-  for (int i = 0; i < static_cast<int>(shares.size()); ++i) {
-    for (const CellShare& s : shares[i]) {
-      for (const CellShare& t : shares[i]) {
-        if (s.label < t.label) meet(s.label, t.label, i, i);
-      }
+  const int count = static_cast<int>(cells.patches.size());
+  for (int i = 0; i < count; ++i) {
+    for (int s = all.begin[i]; s < all.begin[i + 1]; ++s) {
+      const std::int32_t label = all.shares[s].label;
+      for (int t = s + 1; t < all.begin[i + 1]; ++t) meet(label, all.shares[t].label, i, i);
       cells.forEachNeighbour(i, [&](int j) {
         if (j < i) return;
-        for (const CellShare& t : shares[j]) meet(s.label, t.label, i, j);
+        for (int t = all.begin[j]; t < all.begin[j + 1]; ++t) meet(label, all.shares[t].label, i, j);
       });
     }
   }
   std::map<Pair, std::pair<Moments, Moments>> borders;
+  std::vector<int> reached(cells.patches.size(), -1);  // the last border that took the cell
+  int border = -1;
   for (auto& [pair, near] : meeting) {
-    for (int step = 0; step <= kBorderSteps; ++step) {
-      std::sort(near.begin(), near.end());
-      near.erase(std::unique(near.begin(), near.end()), near.end());
-      if (step == kBorderSteps) break;
-      const std::size_t end = near.size();
-      for (std::size_t k = 0; k < end; ++k) cells.forEachNeighbour(near[k], [&](int j) { near.push_back(j); });
+    ++border;
+    std::vector<int> wave;
+    const auto take = [&](int i) {
+      if (reached[i] == border) return;
+      reached[i] = border;
+      wave.push_back(i);
+    };
+    for (const int i : near) take(i);
+    std::size_t begin = 0;
+    for (int step = 0; step < kBorderSteps; ++step) {
+      const std::size_t end = wave.size();
+      for (; begin < end; ++begin) cells.forEachNeighbour(wave[begin], take);
     }
     auto& [first, second] = borders[pair];
-    for (const int i : near) {
-      for (const CellShare& s : shares[i]) {
-        if (s.label == pair.first) first += s.moments;
-        if (s.label == pair.second) second += s.moments;
+    for (const int i : wave) {
+      for (int s = all.begin[i]; s < all.begin[i + 1]; ++s) {
+        if (all.shares[s].label == pair.first) first += all.shares[s].moments;
+        if (all.shares[s].label == pair.second) second += all.shares[s].moments;
       }
     }
   }
   return borders;
 }
 
-}  // namespace
+std::vector<Moments> sumShares(const CellShares& cells) {
+  std::vector<Moments> sums(1);
+  for (const CellShares::Share& share : cells.shares) {
+    if (share.label >= static_cast<std::int32_t>(sums.size())) sums.resize(static_cast<std::size_t>(share.label) + 1);
+    sums[share.label] += share.moments;
+  }
+  return sums;
+}
 
-std::vector<Moments> labelMoments(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise,
-                                  const LabelImage& labels) {
-  std::vector<Moments> out(1);
-  for (const auto& cell : shareCells(grid, cells, noise, labels)) {
-    for (const CellShare& share : cell) {
-      if (share.label >= static_cast<std::int32_t>(out.size())) out.resize(static_cast<std::size_t>(share.label) + 1);
-      out[share.label] += share.moments;
+// Renames the labels of the shares and adds up those that have become one in a cell.
+void rename(const std::vector<std::int32_t>& names, CellShares& cells) {
+  std::size_t out = 0;
+  for (std::size_t k = 0; k + 1 < cells.begin.size(); ++k) {
+    const std::size_t first = out;
+    const int begin = cells.begin[k], end = cells.begin[k + 1];
+    cells.begin[k] = static_cast<int>(first);
+    for (int s = begin; s < end; ++s) {
+      const CellShares::Share share = {names[cells.shares[s].label], cells.shares[s].moments};
+      std::size_t at = first;
+      while (at < out && cells.shares[at].label != share.label) ++at;
+      if (at < out) {
+        cells.shares[at].moments += share.moments;
+      } else {
+        cells.shares[out++] = share;
+      }
     }
   }
+  cells.begin.back() = static_cast<int>(out);
+  cells.shares.resize(out);
+}
+
+}  // namespace
+
+CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels) {
+  CellShares out;
+  out.begin.reserve(cells.patches.size() + 1);
+  out.shares.reserve(cells.patches.size());
+  for (const Patch& cell : cells.patches) {
+    const std::size_t first = out.shares.size();
+    out.begin.push_back(static_cast<int>(first));
+    std::int32_t only = 0;
+    int labelled = 0;
+    bool uniform = true;
+    for (int r = cell.row_begin; r < cell.row_end; ++r) {
+      for (int i = grid.index(r, cell.col_begin); i < grid.index(r, cell.col_end); ++i) {
+        const std::int32_t label = labels.labels[i];
+        if (label == 0) continue;
+        uniform = uniform && (labelled == 0 || label == only);
+        only = label;
+        ++labelled;
+      }
+    }
+    if (labelled == 0) continue;
+    if (uniform && labelled == cell.moments.n) {  // the usual case: the patch's own sums serve
+      out.shares.push_back({only, cell.moments});
+      continue;
+    }
+    for (int r = cell.row_begin; r < cell.row_end; ++r) {
+      for (int i = grid.index(r, cell.col_begin); i < grid.index(r, cell.col_end); ++i) {
+        const std::int32_t label = labels.labels[i];
+        if (label == 0 || !grid.valid(i)) continue;
+        std::size_t at = first;
+        while (at < out.shares.size() && out.shares[at].label != label) ++at;
+        if (at == out.shares.size()) out.shares.push_back({label, Moments()});
+        const Eigen::Vector3d p = grid.point(i).cast<double>() - cells.center;
+        const double precision = grid.range[i] / noise.sigma(grid.range[i]);
+        out.shares[at].moments.add(p.x(), p.y(), p.z(), precision * precision);
+      }
+    }
+  }
+  out.begin.push_back(static_cast<int>(out.shares.size()));
   return out;
 }
 
-void mergeLabels(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                 double threshold, LabelImage& labels) {
-  std::vector<std::vector<CellShare>> shares = shareCells(grid, cells, noise, labels);
-  std::vector<Moments> whole(1);
-  for (const auto& cell : shares) {
-    for (const CellShare& share : cell) {
-      if (share.label >= static_cast<std::int32_t>(whole.size())) whole.resize(static_cast<std::size_t>(share.label) + 1);
-      whole[share.label] += share.moments;
-    }
-  }
+std::vector<Eigen::Vector3d> labelPlanes(const CellShares& cells) {
+  std::vector<Eigen::Vector3d> planes;
+  for (const Moments& m : sumShares(cells)) planes.push_back(fitPlane(m).a);
+  return planes;
+}
+
+void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
+                 CellShares& shares, LabelImage& labels) {
+  std::vector<Moments> whole = sumShares(shares);
   std::vector<std::int32_t> renamed(whole.size());
-  for (std::size_t i = 0; i < renamed.size(); ++i) renamed[i] = static_cast<std::int32_t>(i);
+  std::iota(renamed.begin(), renamed.end(), 0);
   while (true) {
     std::vector<std::pair<double, Pair>> candidates;
     for (const auto& [pair, border] : measureBorders(cells, shares)) {
@@ -152,7 +192,7 @@ void mergeLabels(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel&
     std::sort(candidates.begin(), candidates.end());
     std::vector<bool> changed(whole.size(), false);
     std::vector<std::int32_t> now(whole.size());
-    for (std::size_t i = 0; i < now.size(); ++i) now[i] = static_cast<std::int32_t>(i);
+    std::iota(now.begin(), now.end(), 0);
     for (const auto& [s, pair] : candidates) {
       if (changed[pair.first] || changed[pair.second]) continue;
       changed[pair.first] = changed[pair.second] = true;
@@ -160,19 +200,7 @@ void mergeLabels(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel&
       now[pair.second] = pair.first;
     }
     for (std::int32_t& label : renamed) label = now[label];
-    for (auto& cell : shares) {
-      std::vector<CellShare> joined;
-      for (const CellShare& share : cell) {
-        const std::int32_t label = now[share.label];
-        const auto at = std::find_if(joined.begin(), joined.end(), [&](const auto& j) { return j.label == label; });
-        if (at == joined.end()) {
-          joined.push_back({label, share.moments});
-        } else {
-          at->moments += share.moments;
-        }
-      }
-      cell = std::move(joined);
-    }
+    rename(now, shares);
   }
   for (std::int32_t& label : labels.labels) label = renamed[label];
 }

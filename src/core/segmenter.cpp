@@ -29,13 +29,6 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-std::vector<Eigen::Vector3d> labelPlanes(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise,
-                                         const LabelImage& labels) {
-  std::vector<Eigen::Vector3d> planes;
-  for (const Moments& m : labelMoments(grid, cells, noise, labels)) planes.push_back(fitPlane(m).a);
-  return planes;
-}
-
 // Regions too thin for any patch to fit inside: smaller patches of what the first pass left over.
 void addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, const Config& config,
                      LabelImage& labels) {
@@ -80,21 +73,20 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vecto
 
   LabelImage labels = patchLabels(grid, patches, growClusters(patches, noise, tolerance, config.similarity_threshold));
   lap("clustering");
-  mergeLabels(grid, patches, noise, tolerance, config.similarity_threshold, labels);
+  CellShares shares = shareCells(grid, patches, noise, labels);
+  mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels);
   lap("merging");
   if (config.refine) {
-    labels = refineLabels(grid, patches, labels, labelPlanes(grid, patches, noise, labels), noise, tolerance);
+    labels = refineLabels(grid, patches, labels, labelPlanes(shares), noise, tolerance);
     lap("refinement");
     if (config.second_pass) {
       const LabelImage first = labels;
       addSmallRegions(grid, noise, tolerance, config, labels);
+      shares = shareCells(grid, patches, noise, labels);
+      labels = refineLabels(grid, patches, labels, labelPlanes(shares), noise, tolerance, &first);
+      shares = shareCells(grid, patches, noise, labels);
+      mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels);
       lap("second pass");
-      LabelImage resolved = refineLabels(grid, patches, labels, labelPlanes(grid, patches, noise, labels), noise, tolerance);
-      for (std::size_t i = 0; i < first.labels.size(); ++i) {
-        labels.labels[i] = first.labels[i] > 0 ? first.labels[i] : resolved.labels[i];
-      }
-      mergeLabels(grid, patches, noise, tolerance, config.similarity_threshold, labels);
-      lap("second refinement");
     }
   }
   splitComponents(2 * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols), 2, labels);

@@ -15,10 +15,11 @@ LabelImage patchLabels(const BeamGrid& grid, const PatchGrid& patches, const Pat
 ///
 /// Each candidate plane predicts the point's range; the likeliest plane wins. The evidence is averaged over a small window
 /// (the likelihoods of single points overlap at high noise), outliers capped. Points that no plane explains get 0.
+/// @param fixed if given, pixels that have a label there keep it.
 /// @param cells blocks of pixels; @param labels index into `planes`, 0 = none. @param planes a of each label (moments.h).
 LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const LabelImage& labels,
                         const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
-                        const CoplanarityTolerance& tolerance);
+                        const CoplanarityTolerance& tolerance, const LabelImage* fixed = nullptr);
 
 /// @brief Splits labels into pieces that are connected in the image. Gaps of up to `gap_cols` columns or `gap_rows` rows are
 /// bridged.

@@ -11,9 +11,21 @@
 
 namespace patch_plane_clustering {
 
-/// @brief Moments of the pixels of every label, about the centre of `cells`, weighed with the noise; index = label.
-std::vector<Moments> labelMoments(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise,
-                                  const LabelImage& labels);
+/// @brief What the labels have in every cell of a grid of patches.
+struct CellShares {
+  struct Share {
+    std::int32_t label;
+    Moments moments;  ///< of the label's pixels in the cell, weighed with the noise
+  };
+  std::vector<int> begin;     ///< index of each cell's first share, and one past the last
+  std::vector<Share> shares;  ///< cell by cell
+};
+
+/// @brief Moments of the labels in every cell, about cells.center. @param cells with weighed moments (weighPatches).
+CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels);
+
+/// @brief Planes of the labels: a (see moments.h); index = label.
+std::vector<Eigen::Vector3d> labelPlanes(const CellShares& cells);
 
 /// @brief Merges labels that touch and lie on one plane, most similar first.
 ///
@@ -21,7 +33,8 @@ std::vector<Moments> labelMoments(const BeamGrid& grid, const PatchGrid& cells, 
 /// bow. And where they meet there is no step: the strips on both sides of the border are compared by their offset alone (a
 /// plane tilted across a step hides three quarters of it).
 /// @param cells blocks of pixels by which "touching" and "where they meet" are measured.
-void mergeLabels(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                 double threshold, LabelImage& labels);
+/// @param shares of `labels`; renamed along with them.
+void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
+                 CellShares& shares, LabelImage& labels);
 
 }  // namespace patch_plane_clustering
