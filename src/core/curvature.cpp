@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/curvature.h"
 
-#include "patch_plane_clustering/core/region_statistics.h"
-
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -27,27 +25,50 @@ constexpr double kUniformWidth = 3.46;  // width of a uniform distribution over 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-// Samples of a region: where, how far along the beams, how precise across the surface.
 struct Sample {
   Eigen::Vector3d point;
   double sigma;   // across the region's plane [m]
   double weight;  // pixels it stands for
 };
 
-std::vector<Sample> takeSamples(const BeamGrid& grid, const PlanarRegion& region, const std::vector<int>& pixels,
-                                const NoiseModel& noise) {
+// A sampled region: its plane by total least squares, and samples near that plane.
+struct SampledRegion {
+  std::int32_t id = 0;
+  int points = 0;
+  Plane plane;
   std::vector<Sample> samples;
-  const int stride = std::max(1, static_cast<int>(pixels.size()) / kMaxSamples);
-  samples.reserve(pixels.size() / stride + 1);
-  for (std::size_t k = 0; k < pixels.size(); k += stride) {
-    const int i = pixels[k];
-    const Eigen::Vector3d p = grid.point(i).cast<double>();
-    const double cosine = std::max(0.1, -region.plane.normal.dot(grid.direction(i).cast<double>()));
-    const double sigma = noise.sigma(grid.range[i]) * cosine;
-    if (std::abs(region.plane.signedDistance(p)) > 4.0 * std::max(sigma, region.rms)) continue;
-    samples.push_back({p, sigma, static_cast<double>(stride)});
+};
+
+SampledRegion sampleRegion(const BeamGrid& grid, std::int32_t id, int points, int stride, const std::vector<int>& pixels,
+                           const NoiseModel& noise) {
+  SampledRegion region;
+  region.id = id;
+  region.points = points;
+  const double n = static_cast<double>(pixels.size());
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero(), beams = Eigen::Vector3d::Zero();
+  for (const int i : pixels) {
+    mean += grid.point(i).cast<double>() / n;
+    beams += grid.direction(i).cast<double>();
   }
-  return samples;
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const int i : pixels) {
+    const Eigen::Vector3d p = grid.point(i).cast<double>() - mean;
+    scatter.selfadjointView<Eigen::Lower>().rankUpdate(p);
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);
+  Eigen::Vector3d normal = eigen.eigenvectors().col(0);
+  if (normal.dot(beams) > 0.0) normal = -normal;
+  region.plane = {normal, normal.dot(mean)};
+  const double rms = std::sqrt(std::max(0.0, eigen.eigenvalues()[0]) / n);
+  region.samples.reserve(pixels.size());
+  for (const int i : pixels) {
+    const Eigen::Vector3d p = grid.point(i).cast<double>();
+    const double cosine = std::max(0.1, -normal.dot(grid.direction(i).cast<double>()));
+    const double sigma = noise.sigma(grid.range[i]) * cosine;
+    if (std::abs(region.plane.signedDistance(p)) > 4.0 * std::max(sigma, rms)) continue;
+    region.samples.push_back({p, sigma, static_cast<double>(stride)});
+  }
+  return region;
 }
 
 // Least-squares plane and quadratic surface z(s, t) of samples over a given tangent frame.
@@ -125,8 +146,12 @@ Bend bendOf(const QuadraticFit& fit) {
 // Pairs of labels that are 4-neighbours in the image, or parted by up to `gap` pixels.
 std::set<std::pair<std::int32_t, std::int32_t>> touchingLabels(const LabelImage& labels, int gap) {
   std::set<std::pair<std::int32_t, std::int32_t>> pairs;
+  std::pair<std::int32_t, std::int32_t> last;  // borders are long: most meetings repeat the one before
   const auto meet = [&](std::int32_t a, std::int32_t b) {
-    if (b > 0 && a != b) pairs.emplace(std::min(a, b), std::max(a, b));
+    const std::pair<std::int32_t, std::int32_t> pair(std::min(a, b), std::max(a, b));
+    if (b == 0 || pair == last) return;
+    last = pair;
+    pairs.insert(pair);
   };
   for (int r = 0; r < labels.rows; ++r) {
     for (int c = 0; c < labels.cols; ++c) {
@@ -145,16 +170,15 @@ std::set<std::pair<std::int32_t, std::int32_t>> touchingLabels(const LabelImage&
 }
 
 // One smooth surface serves both as well as two of their own would, one plane does not: strips of a fan.
-bool isFan(const PlanarRegion& a, const PlanarRegion& b, const std::vector<Sample>& samples_a,
-           const std::vector<Sample>& samples_b, const CoplanarityTolerance& tolerance, double max_turn) {
+bool isFan(const SampledRegion& a, const SampledRegion& b, const CoplanarityTolerance& tolerance, double max_turn) {
   // A scrap beside a large plane proves nothing about the plane.
   if (a.points > kFanSizes * b.points || b.points > kFanSizes * a.points) return false;
   const double cosine = a.plane.normal.dot(b.plane.normal);
   if (cosine > std::cos(kFanAngle * max_turn) || cosine < 0.6) return false;
   const Eigen::Vector3d n = (a.points * a.plane.normal + b.points * b.plane.normal).normalized();
-  const QuadraticFit fit_a = fitQuadratic(n, {&samples_a});
-  const QuadraticFit fit_b = fitQuadratic(n, {&samples_b});
-  const QuadraticFit both = fitQuadratic(n, {&samples_a, &samples_b});
+  const QuadraticFit fit_a = fitQuadratic(n, {&a.samples});
+  const QuadraticFit fit_b = fitQuadratic(n, {&b.samples});
+  const QuadraticFit both = fitQuadratic(n, {&a.samples, &b.samples});
   const double plane_excess = both.plane_chi2 - fit_a.plane_chi2 - fit_b.plane_chi2;
   const double quadratic_excess = both.quadratic_chi2 - fit_a.quadratic_chi2 - fit_b.quadratic_chi2;
   return plane_excess > kSignificance * tolerance.inflation && quadratic_excess < kFanRatio * plane_excess &&
@@ -171,79 +195,70 @@ double misfit(const Plane& plane, const std::vector<Sample>& samples) {
   return std::sqrt(std::max(0.0, sum / static_cast<double>(std::max<std::size_t>(1, samples.size()))));
 }
 
-struct RegionSamples {
-  std::vector<PlanarRegion> regions;
-  std::vector<std::vector<Sample>> samples;  // of each region
-};
-
-RegionSamples sampleRegions(const BeamGrid& grid, const LabelImage& labels, const NoiseModel& noise) {
-  RegionSamples out;
-  out.regions = describeRegions(grid, labels);
-  const std::int32_t highest = out.regions.empty() ? 0 : out.regions.back().id;
-  std::vector<std::vector<int>> pixels(static_cast<std::size_t>(highest) + 1);
-  for (const PlanarRegion& region : out.regions) pixels[region.id].reserve(region.points);
+// Samples of every label of at least three points; index = label.
+std::vector<SampledRegion> sampleRegions(const BeamGrid& grid, const LabelImage& labels, const NoiseModel& noise) {
+  std::vector<int> count(1, 0);
+  for (int i = 0; i < grid.size(); ++i) {
+    const auto label = static_cast<std::size_t>(labels.labels[i]);
+    if (label >= count.size()) count.resize(label + 1, 0);
+    if (label > 0) ++count[label];
+  }
+  std::vector<std::vector<int>> pixels(count.size());
+  std::vector<int> seen(count.size(), 0);
   for (int i = 0; i < grid.size(); ++i) {
     const std::int32_t label = labels.labels[i];
-    if (label > 0 && label <= highest && grid.valid(i)) pixels[label].push_back(i);
+    if (label > 0 && seen[label]++ % std::max(1, count[label] / kMaxSamples) == 0 && grid.valid(i)) pixels[label].push_back(i);
   }
-  for (const PlanarRegion& region : out.regions) {
-    out.samples.push_back(takeSamples(grid, region, pixels[region.id], noise));
+  std::vector<SampledRegion> regions(count.size());
+  for (std::size_t label = 1; label < count.size(); ++label) {
+    if (pixels[label].size() < 3) continue;
+    const auto id = static_cast<std::int32_t>(label);
+    regions[label] = sampleRegion(grid, id, count[label], std::max(1, count[label] / kMaxSamples), pixels[label], noise);
   }
-  return out;
+  return regions;
 }
 
 }  // namespace
 
 std::vector<Bend> measureBends(const BeamGrid& grid, const LabelImage& labels, const NoiseModel& noise) {
-  const RegionSamples all = sampleRegions(grid, labels, noise);
-  std::vector<Bend> bends(all.regions.empty() ? 1 : static_cast<std::size_t>(all.regions.back().id) + 1);
-  for (std::size_t k = 0; k < all.regions.size(); ++k) {
-    bends[all.regions[k].id] = bendOf(fitQuadratic(all.regions[k].plane.normal, {&all.samples[k]}));
+  std::vector<Bend> bends;
+  for (const SampledRegion& region : sampleRegions(grid, labels, noise)) {
+    bends.push_back(bendOf(fitQuadratic(region.plane.normal, {&region.samples})));
   }
   return bends;
 }
 
 void dropCurvedRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double max_turn,
                        LabelImage& labels) {
-  const RegionSamples all = sampleRegions(grid, labels, noise);
-  // Labels of fewer than three points have no region.
-  std::size_t size = 1;
-  for (const std::int32_t label : labels.labels) size = std::max(size, static_cast<std::size_t>(label) + 1);
-  std::vector<int> index(size, -1);
-  std::vector<bool> curved(size, false);
-  for (std::size_t k = 0; k < all.regions.size(); ++k) {
-    index[all.regions[k].id] = static_cast<int>(k);
-    const Bend bend = bendOf(fitQuadratic(all.regions[k].plane.normal, {&all.samples[k]}));
-    curved[all.regions[k].id] = bend.turn > max_turn && bend.amplitude > kMinAmplitude * tolerance.sigma_distance &&
-                                bend.excess > kSignificance * tolerance.inflation;
+  const std::vector<SampledRegion> regions = sampleRegions(grid, labels, noise);
+  std::vector<bool> curved(regions.size(), false);
+  for (std::size_t label = 1; label < regions.size(); ++label) {
+    const Bend bend = bendOf(fitQuadratic(regions[label].plane.normal, {&regions[label].samples}));
+    curved[label] = bend.turn > max_turn && bend.amplitude > kMinAmplitude * tolerance.sigma_distance &&
+                    bend.excess > kSignificance * tolerance.inflation;
   }
   const std::vector<bool> alone = curved;
   const auto touching = touchingLabels(labels, 2);
   for (const auto& [a, b] : touching) {
-    if (index[a] < 0 || index[b] < 0 || (alone[a] && alone[b])) continue;
-    if (isFan(all.regions[index[a]], all.regions[index[b]], all.samples[index[a]], all.samples[index[b]], tolerance, max_turn)) {
-      curved[a] = curved[b] = true;
-    }
+    if (!(alone[a] && alone[b]) && isFan(regions[a], regions[b], tolerance, max_turn)) curved[a] = curved[b] = true;
   }
   // A bent strip along a larger plane that it hardly leaves is the soft edge of that plane.
-  std::vector<std::int32_t> renamed(size);
-  for (std::size_t label = 0; label < size; ++label) {
-    renamed[label] = curved[label] || index[label] < 0 ? 0 : static_cast<std::int32_t>(label);
+  std::vector<std::int32_t> renamed(regions.size());
+  for (std::size_t label = 0; label < regions.size(); ++label) {
+    renamed[label] = curved[label] ? 0 : static_cast<std::int32_t>(label);
   }
-  std::vector<int> host_points(size, 0);
+  std::vector<int> host_points(regions.size(), 0);
   for (const auto& [a, b] : touching) {
     for (const auto& [strip, host] : {std::pair(a, b), std::pair(b, a)}) {
-      if (index[strip] < 0 || index[host] < 0 || !alone[strip] || curved[host]) continue;
-      const PlanarRegion& plane = all.regions[index[host]];
-      if (plane.points <= std::max(host_points[strip], all.regions[index[strip]].points)) continue;
-      if (misfit(plane.plane, all.samples[index[strip]]) > kEdgeTolerance * tolerance.sigma_distance) continue;
+      if (!alone[strip] || curved[host]) continue;
+      const SampledRegion& plane = regions[host];
+      if (plane.points <= std::max(host_points[strip], regions[strip].points)) continue;
+      if (misfit(plane.plane, regions[strip].samples) > kEdgeTolerance * tolerance.sigma_distance) continue;
       host_points[strip] = plane.points;
       renamed[strip] = host;
     }
   }
-  for (std::int32_t& label : labels.labels) {
-    label = renamed[label];
-  }
+  for (std::int32_t& label : labels.labels) label = renamed[label];
 }
 
 }  // namespace patch_plane_clustering

@@ -13,12 +13,35 @@ namespace {
 
 constexpr double kMinCosine = 0.02;  // of incidence: the residual along a beam says nothing about a plane seen edge-on
 
+// Sums of the points of a label about its first point, so that they keep their digits far from the sensor. Plain numbers: this
+// runs once a pixel.
 struct PointSums {
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // first point: sums about it keep their digits far from the sensor
-  Eigen::Vector3d beams = Eigen::Vector3d::Zero();
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d outer = Eigen::Matrix3d::Zero();
+  double ox = 0, oy = 0, oz = 0;
+  double ux = 0, uy = 0, uz = 0;
+  double x = 0, y = 0, z = 0;
+  double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
   int n = 0;
+
+  void add(const Eigen::Vector3f& point, const Eigen::Vector3f& beam) {
+    if (n++ == 0) {
+      ox = point.x();
+      oy = point.y();
+      oz = point.z();
+    }
+    const double px = point.x() - ox, py = point.y() - oy, pz = point.z() - oz;
+    ux += beam.x();
+    uy += beam.y();
+    uz += beam.z();
+    x += px;
+    y += py;
+    z += pz;
+    xx += px * px;
+    xy += px * py;
+    xz += px * pz;
+    yy += py * py;
+    yz += py * pz;
+    zz += pz * pz;
+  }
 };
 
 // Total least squares: the start of the fit along the beams, and its substitute where that is ill-posed.
@@ -27,12 +50,14 @@ PlanarRegion describe(std::int32_t id, const PointSums& s) {
   region.id = id;
   region.points = s.n;
   const double n = s.n;
-  const Eigen::Vector3d mean = s.sum / n;
-  region.centroid = s.origin + mean;
-  const Eigen::Matrix3d scatter = s.outer - n * mean * mean.transpose();
+  const Eigen::Vector3d mean = Eigen::Vector3d(s.x, s.y, s.z) / n;
+  region.centroid = Eigen::Vector3d(s.ox, s.oy, s.oz) + mean;
+  Eigen::Matrix3d outer;
+  outer << s.xx, s.xy, s.xz, s.xy, s.yy, s.yz, s.xz, s.yz, s.zz;
+  const Eigen::Matrix3d scatter = outer - n * mean * mean.transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);
   Eigen::Vector3d normal = eigen.eigenvectors().col(0);
-  if (normal.dot(s.beams) > 0.0) normal = -normal;
+  if (normal.dot(Eigen::Vector3d(s.ux, s.uy, s.uz)) > 0.0) normal = -normal;
   region.plane = {normal, normal.dot(region.centroid)};
   const double residual = std::max(0.0, eigen.eigenvalues()[0]);
   region.rms = std::sqrt(residual / n);
@@ -56,9 +81,9 @@ PlanarRegion describe(std::int32_t id, const PointSums& s) {
 // about the two tangents, and an offset at the centroid.
 struct BeamSums {
   Eigen::Vector3d tangent1 = Eigen::Vector3d::Zero(), tangent2 = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  double squares = 0.0;  // of the residuals along the beams
+  double aa = 0, ab = 0, ac = 0, bb = 0, bc = 0, cc = 0;  // products of the rows of the Jacobian
+  double ra = 0, rb = 0, rc = 0;                          // with the residuals
+  double squares = 0.0;                                   // of the residuals along the beams
   int n = 0;
 };
 
@@ -67,27 +92,38 @@ void addBeam(const BeamGrid& grid, int i, const PlanarRegion& region, BeamSums& 
   const Eigen::Vector3d o = grid.origin(i).cast<double>();
   const double cosine = region.plane.normal.dot(u);
   if (!(cosine < -kMinCosine)) return;
-  const double range = (region.plane.d - region.plane.normal.dot(o)) / cosine;
+  const double inverse = 1.0 / cosine;
+  const double range = (region.plane.d - region.plane.normal.dot(o)) * inverse;
   const double residual = grid.range[i] - range;
   const Eigen::Vector3d q = o + range * u - region.centroid;
   // n' = n + alpha t1 + beta t2, offset gamma at the centroid: d range = (gamma - alpha t1.q - beta t2.q) / (n.u)
-  const Eigen::Vector3d row = Eigen::Vector3d(-s.tangent1.dot(q), -s.tangent2.dot(q), 1.0) / cosine;
-  s.normal += row * row.transpose();
-  s.right += row * residual;
+  const double a = -s.tangent1.dot(q) * inverse, b = -s.tangent2.dot(q) * inverse, c = inverse;
+  s.aa += a * a;
+  s.ab += a * b;
+  s.ac += a * c;
+  s.bb += b * b;
+  s.bc += b * c;
+  s.cc += c * c;
+  s.ra += a * residual;
+  s.rb += b * residual;
+  s.rc += c * residual;
   s.squares += residual * residual;
   ++s.n;
 }
 
 void refineAlongBeams(const BeamSums& s, PlanarRegion& region) {
   if (s.n < std::max(4, region.points / 2)) return;  // seen edge-on: the beams say little about the plane
-  const Eigen::LDLT<Eigen::Matrix3d> solver(s.normal);
+  Eigen::Matrix3d normal_equations;
+  normal_equations << s.aa, s.ab, s.ac, s.ab, s.bb, s.bc, s.ac, s.bc, s.cc;
+  const Eigen::Vector3d right(s.ra, s.rb, s.rc);
+  const Eigen::LDLT<Eigen::Matrix3d> solver(normal_equations);
   if (solver.info() != Eigen::Success || !solver.isPositive() || solver.rcond() < 1e-12) return;
-  const Eigen::Vector3d step = solver.solve(s.right);
+  const Eigen::Vector3d step = solver.solve(right);
   const Eigen::Vector3d turned = region.plane.normal + step[0] * s.tangent1 + step[1] * s.tangent2;
   const Eigen::Vector3d normal = turned.normalized();
   const double offset = region.plane.normal.dot(region.centroid) + step[2];
   region.plane = {normal, offset + (normal - region.plane.normal).dot(region.centroid)};
-  const double gain = s.right.dot(step);
+  const double gain = right.dot(step);
   const double variance = std::max(0.0, s.squares - gain) / std::max(1, s.n - 3);
   Eigen::Matrix<double, 4, 3> jacobian = Eigen::Matrix<double, 4, 3>::Zero();
   jacobian.block<3, 1>(0, 0) = s.tangent1;
@@ -105,13 +141,7 @@ std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage
   for (int i = 0; i < grid.size(); ++i) {
     const std::int32_t label = labels.labels[i];
     if (label <= 0 || !grid.valid(i)) continue;
-    PointSums& s = sums[label];
-    const Eigen::Vector3d p = grid.point(i).cast<double>();
-    if (s.n++ == 0) s.origin = p;
-    const Eigen::Vector3d q = p - s.origin;
-    s.beams += grid.direction(i).cast<double>();
-    s.sum += q;
-    s.outer += q * q.transpose();
+    sums[label].add(grid.point(i), grid.direction(i));
   }
   std::vector<PlanarRegion> regions;
   for (std::int32_t id = 1; id <= highest; ++id) {
