@@ -18,6 +18,12 @@ if(CATKIN_ENABLE_TESTING)
     add_test(NAME scripts_${name} COMMAND ${PYTHON_EXECUTABLE} ${script})
   endforeach()
 
+  file(GLOB tool_tests CONFIGURE_DEPENDS test/tools/test_*.py)
+  foreach(script IN LISTS tool_tests)
+    get_filename_component(name ${script} NAME_WE)
+    add_test(NAME tools_${name} COMMAND ${PYTHON_EXECUTABLE} ${script} $<TARGET_FILE:ppc>)
+  endforeach()
+
   # Tests that start ROS processes have the machine to themselves, so that none starves another.
   get_property(all_tests DIRECTORY PROPERTY TESTS)
   foreach(test IN LISTS all_tests)

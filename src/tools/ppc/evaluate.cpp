@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_file.h"
+#include "patch_plane_clustering/core/region_statistics.h"
+#include "patch_plane_clustering/evaluation/plane_score.h"
+#include "patch_plane_clustering/evaluation/polygon_score.h"
 #include "patch_plane_clustering/evaluation/segcomp.h"
 #include "result_files.h"
 #include "subcommands.h"
 
 #include <CLI/CLI.hpp>
 
+#include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <memory>
@@ -17,6 +22,8 @@ using Json = nlohmann::ordered_json;
 struct EvaluateOptions {
   std::vector<std::string> truth;
   std::vector<std::string> labels;
+  std::vector<std::string> clouds;
+  std::vector<std::string> polygons;
   int min_region = 400;
   double tolerance = 0.8;
 };
@@ -62,6 +69,38 @@ Json score(const LabelImage& truth, const LabelImage& found, const EvaluateOptio
   return json;
 }
 
+Json planeJson(const std::vector<PlanarRegion>& truth, const std::vector<PlanarRegion>& found, const RegionOverlap& overlap,
+               double tolerance) {
+  const PlaneScore score = planeScore(truth, found, overlap, segcomp(overlap, tolerance));
+  return {{"matched", score.matched},
+          {"normal_error_deg", score.mean_normal_error * 180.0 / M_PI},
+          {"offset_error_mm", score.mean_offset_error * 1e3},
+          {"worst_normal_error_deg", score.worst_normal_error * 180.0 / M_PI},
+          {"worst_offset_error_mm", score.worst_offset_error * 1e3}};
+}
+
+// What needs the points: planes against a fit to the true pixels, and polygons rendered back along every beam.
+void scoreWithCloud(const EvaluateOptions& options, const BeamGrid& grid, const LabelImage& truth, const LabelImage& found,
+                    const std::string& polygons_file, Json& line) {
+  const std::vector<PlanarRegion> true_planes = describeRegions(grid, truth);
+  const RegionOverlap overlap = overlapOf(truth, found, options.min_region);
+  line["planes"] = planeJson(true_planes, describeRegions(grid, found), overlap, options.tolerance);
+  if (polygons_file.empty()) return;
+  const Segmentation polygons = readPolygons(polygons_file);
+  const PolygonQuality quality = polygonQuality(polygons.regions, polygons.polygons);
+  const LabelImage rendered = withoutUnmeasured(grid, renderPolygons(grid, polygons.regions, polygons.polygons));
+  Json json = score(truth, rendered, options);
+  const RegionOverlap rendered_overlap = overlapOf(truth, rendered, options.min_region);
+  json["planes"] = planeJson(true_planes, polygons.regions, rendered_overlap, options.tolerance);
+  json["polygons"] = quality.polygons;
+  json["holes"] = quality.holes;
+  json["vertices"] = quality.vertices;
+  json["invalid"] = quality.invalid;
+  if (quality.invalid > 0) json["first_fault"] = quality.first_fault;
+  json["largest_off_plane"] = quality.largest_off_plane;
+  line["from_polygons"] = json;
+}
+
 void printRow(const std::string& name, const Json& json) {
   const std::string shown = name.size() > 32 ? "..." + name.substr(name.size() - 29) : name;
   std::fprintf(stderr, "%-32s", shown.c_str());
@@ -94,10 +133,18 @@ Json meanOf(const std::vector<Json>& all) {
   return mean;
 }
 
+void requireCount(const std::vector<std::string>& files, std::size_t labels, const std::string& option) {
+  if (files.size() == 1 || files.size() == labels) return;
+  throw std::runtime_error(std::to_string(files.size()) + " " + option + " files for " + std::to_string(labels) +
+                           " --labels files; give one for all or one for each");
+}
+
 void run(const EvaluateOptions& options) {
-  if (options.truth.size() != 1 && options.truth.size() != options.labels.size()) {
-    throw std::runtime_error(std::to_string(options.truth.size()) + " --truth files for " +
-                             std::to_string(options.labels.size()) + " --labels files; give one for all or one for each");
+  const std::size_t n = options.labels.size();
+  requireCount(options.truth, n, "--truth");
+  if (!options.clouds.empty()) requireCount(options.clouds, n, "--cloud");
+  if (!options.polygons.empty() && (options.polygons.size() != n || options.clouds.empty())) {
+    throw std::runtime_error("--polygons needs one file for each --labels file, and --cloud for the beams");
   }
   std::fprintf(stderr, "%-32s", "image");
   for (const auto& column : columns()) std::fprintf(stderr, " %9s", column.c_str());
@@ -107,18 +154,36 @@ void run(const EvaluateOptions& options) {
     const std::string& truth = options.truth.size() == 1 ? options.truth[0] : options.truth[i];
     Json line = {{"truth", truth}, {"labels", options.labels[i]}};
     try {
-      line.update(score(readLabels(truth), readLabels(options.labels[i]), options));
+      LabelImage true_labels = readLabels(truth);
+      LabelImage labels = readLabels(options.labels[i]);
+      if (options.clouds.empty()) {
+        line.update(score(true_labels, labels, options));
+      } else {
+        const BeamGrid grid = readCloud(options.clouds.size() == 1 ? options.clouds[0] : options.clouds[i]);
+        true_labels = withoutUnmeasured(grid, std::move(true_labels));
+        labels = withoutUnmeasured(grid, std::move(labels));
+        line.update(score(true_labels, labels, options));
+        const std::string polygons = options.polygons.empty() ? "" : options.polygons[i];
+        scoreWithCloud(options, grid, true_labels, labels, polygons, line);
+      }
     } catch (const std::invalid_argument& error) {
       throw std::runtime_error(options.labels[i] + ": " + error.what());
     }
     std::cout << line.dump() << std::endl;
     printRow(options.labels[i], line);
+    if (line.contains("from_polygons")) printRow("  from polygons", line["from_polygons"]);
     all.push_back(line);
   }
   if (all.size() > 1) {
-    const Json mean = meanOf(all);
+    Json mean = meanOf(all);
+    if (all.front().contains("from_polygons")) {
+      std::vector<Json> rendered;
+      for (const Json& line : all) rendered.push_back(line["from_polygons"]);
+      mean["from_polygons"] = meanOf(rendered);
+    }
     std::cout << mean.dump() << std::endl;
     printRow("mean", mean);
+    if (mean.contains("from_polygons")) printRow("  from polygons", mean["from_polygons"]);
   }
 }
 
@@ -129,6 +194,12 @@ void addEvaluate(CLI::App& app) {
   auto options = std::make_shared<EvaluateOptions>();
   command->add_option("--truth", options->truth, "True label images; one for all or one for each")->required();
   command->add_option("--labels", options->labels, "Found label images")->required();
+  command->add_option("--cloud", options->clouds,
+                      "Organised clouds (PCD): adds errors of planes against a fit to the true "
+                      "pixels; pixels without a measurement are then left out of all scores");
+  command->add_option("--polygons", options->polygons,
+                      "Polygons (JSON), rendered back along every beam of the cloud and "
+                      "scored as labels are; with their validity and size");
   command->add_option("--min-region", options->min_region, "True regions of fewer pixels are ignored")
       ->capture_default_str();
   command->add_option("--tolerance", options->tolerance, "Overlap of a correct detection")

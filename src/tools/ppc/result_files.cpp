@@ -7,7 +7,9 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <locale>
 #include <sstream>
 #include <stdexcept>
@@ -75,6 +77,42 @@ Json polygonsJson(const BeamGrid& grid, const Segmentation& result, const ImageS
   }
   return {
       {"frame_id", source.frame_id}, {"stamp", source.stamp}, {"rows", grid.rows}, {"cols", grid.cols}, {"planes", planes}};
+}
+
+Segmentation readPolygons(const std::string& path) {
+  requireReadableFile(path);
+  Segmentation result;
+  const auto point = [](const Json& json) { return Eigen::Vector3d(json.at(0), json.at(1), json.at(2)); };
+  const auto ring = [&](const Json& json) {
+    std::vector<Eigen::Vector3d> points;
+    for (const Json& each : json) points.push_back(point(each));
+    return points;
+  };
+  try {
+    std::ifstream in(path);
+    const Json json = Json::parse(in);
+    for (const Json& plane : json.at("planes")) {
+      PlanarPolygon polygon;
+      polygon.id = plane.at("id");
+      polygon.outer = ring(plane.at("outer"));
+      polygon.area = plane.at("area");
+      for (const Json& hole : plane.at("holes")) polygon.holes.push_back(ring(hole));
+      result.polygons.push_back(polygon);
+      PlanarRegion region;
+      region.id = polygon.id;
+      region.plane = {point(plane.at("normal")), plane.at("d")};
+      region.rms = plane.at("rms");
+      region.points = plane.at("points");
+      result.regions.push_back(region);
+    }
+  } catch (const nlohmann::json::exception& error) {
+    throw std::runtime_error(path + ": is not a polygons file (" + error.what() + ")");
+  }
+  const auto before = [](const PlanarRegion& a, const PlanarRegion& b) { return a.id < b.id; };
+  const auto same = [](const PlanarRegion& a, const PlanarRegion& b) { return a.id == b.id; };
+  std::stable_sort(result.regions.begin(), result.regions.end(), before);
+  result.regions.erase(std::unique(result.regions.begin(), result.regions.end(), same), result.regions.end());
+  return result;
 }
 
 Json statisticsJson(const BeamGrid& grid, const Segmentation& result) {
