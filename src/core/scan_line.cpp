@@ -26,7 +26,7 @@ std::string faultOf(const ScanLine& line) {
   if (!line.intensities.empty() && line.intensities.size() != line.ranges.size()) {
     return because("as many intensities as ranges expected, or none", line.intensities.size());
   }
-  const double steps = static_cast<double>(line.ranges.size() - 1);
+  const auto steps = static_cast<double>(line.ranges.size() - 1);
   if (!std::isfinite(line.stamp) || line.stamp <= 0.0) return because("stamp is not set", line.stamp);
   if (!std::isfinite(line.time_increment)) return because("time_increment is not finite", line.time_increment);
   if (line.time_increment < 0.0) return because("time_increment is negative", line.time_increment);

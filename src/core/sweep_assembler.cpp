@@ -126,7 +126,7 @@ void SweepAssembler::process() {
 
 PoseStatus SweepAssembler::place(const ScanLine& line, PlacedLine& placed) const {
   const int poses = options_.poses_per_row;
-  const double last_beam = static_cast<double>(line.ranges.size() - 1);
+  const auto last_beam = static_cast<double>(line.ranges.size() - 1);
   LaserPose at;
   // The last beam first: it is the one that makes a line wait.
   PoseStatus status = poses_.at(line.lastStamp(), at);
