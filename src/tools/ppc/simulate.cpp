@@ -10,6 +10,7 @@
 
 #include <pcl/io/pcd_io.h>
 #include <pcl/point_types.h>
+#include <rosbag/exceptions.h>
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <opencv2/core.hpp>
@@ -65,7 +66,11 @@ void writeCloud(const RangeImage& image, const std::string& path) {
   for (int i = 0; i < grid.size(); ++i) cloud[i].getVector3fMap() = grid.point(i);
   cloud.is_dense = false;
   writeAtomically(path, [&](const std::string& file) {
-    if (pcl::io::savePCDFileBinary(file, cloud) != 0) throw std::runtime_error("cannot be written");
+    try {
+      pcl::io::savePCDFileBinary(file, cloud);
+    } catch (const pcl::IOException&) {  // says neither what nor why
+      throw std::runtime_error(path + ": cannot be written");
+    }
   });
 }
 
@@ -81,7 +86,13 @@ void run(const Options& o) {
   }
   const sim::Scanner scanner(sim::makeScene(o.scene, o.seed), scannerOptions(o), o.seed);
   if (!o.bag.empty()) {
-    writeAtomically(o.bag, [&](const std::string& file) { writeSimulatedBag(scanner, o.sweeps, file); });
+    writeAtomically(o.bag, [&](const std::string& file) {
+      try {
+        writeSimulatedBag(scanner, o.sweeps, file);
+      } catch (const rosbag::BagException& e) {
+        throw std::runtime_error(o.bag + ": cannot be written: " + e.what());
+      }
+    });
   }
   if (o.pcd.empty() && o.truth.empty()) return;
   for (int i = 0; i < o.sweeps; ++i) {
