@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 namespace patch_plane_clustering {
 namespace {
@@ -14,7 +15,6 @@ namespace {
 using visualization_msgs::Marker;
 
 constexpr float kFaceOpacity = 0.6F;
-constexpr double kLineWidth = 0.015;  // [m]
 constexpr double kTextOffset = 0.03;  // in front of the face [m]
 
 Marker makeMarker(const std_msgs::Header& header, const char* ns, int type) {
@@ -54,6 +54,13 @@ void addRing(const std::vector<Eigen::Vector3d>& ring, const std_msgs::ColorRGBA
   }
 }
 
+/// Thin in a cardboard box, visible in a hall [m].
+double lineWidth(const std::vector<PlanarRegion>& regions) {
+  double farthest = 0.0;
+  for (const PlanarRegion& region : regions) farthest = std::max(farthest, region.centroid.norm());
+  return std::clamp(0.004 * farthest, 0.001, 0.02);
+}
+
 Marker makeText(const PlanarRegion& region, const std_msgs::Header& header) {
   Marker text = makeMarker(header, "ids", Marker::TEXT_VIEW_FACING);
   text.id = region.id;
@@ -77,7 +84,7 @@ visualization_msgs::MarkerArray toMarkers(const Segmentation& segmentation, cons
   Marker outlines = makeMarker(header, "outlines", Marker::LINE_LIST);
   faces.color = toColor(0, kFaceOpacity);
   outlines.color = toColor(0, 1.0F);
-  outlines.scale.x = kLineWidth;
+  outlines.scale.x = lineWidth(segmentation.regions);
   for (const PlanarPolygon& polygon : segmentation.polygons) {
     const auto region = std::find_if(segmentation.regions.begin(), segmentation.regions.end(),
                                      [&](const PlanarRegion& candidate) { return candidate.id == polygon.id; });

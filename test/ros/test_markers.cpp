@@ -147,7 +147,7 @@ TEST(Markers, FacesOutlinesAndIdsInTheFrameOfTheImage) {
   EXPECT_EQ(outlines.type, Marker::LINE_LIST);
   EXPECT_EQ(outlines.points.size(), 2U * (40U + 12U + 7U + 9U));
   EXPECT_EQ(outlines.colors.size(), outlines.points.size());
-  EXPECT_GT(outlines.scale.x, 0.0);
+  EXPECT_NEAR(outlines.scale.x, 0.004, 1e-9);  // of a region 1 m away
   EXPECT_EQ(text.type, Marker::TEXT_VIEW_FACING);
   EXPECT_EQ(text.text, "1");
   EXPECT_NEAR(text.pose.position.x, 1.0, 0.05);
