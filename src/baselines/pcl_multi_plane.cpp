@@ -10,7 +10,7 @@
 namespace patch_plane_clustering {
 namespace {
 
-// Tuned on simulated offices and stairs of seeds that no test uses.
+// Chosen by hand, looking at simulated offices and stairs; not yet searched systematically.
 constexpr int kHalfWindow = 5;              // of the normals [columns]
 constexpr double kAngle = 0.06;             // between the normals of neighbours [rad]
 constexpr double kDistanceSigmas = 4.0;     // between the planes of neighbours, in sigmas of the median range

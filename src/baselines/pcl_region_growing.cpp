@@ -11,7 +11,7 @@
 namespace patch_plane_clustering {
 namespace {
 
-// Tuned on simulated offices and stairs of seeds that no test uses.
+// Chosen by hand, looking at simulated offices and stairs; not yet searched systematically.
 constexpr int kHalfWindow = 5;        // of the normals [columns]
 constexpr unsigned kNeighbours = 20;  // of a point that a region may grow to
 constexpr float kSmoothness = 0.06F;  // largest angle between the normals of neighbours [rad]

@@ -10,7 +10,7 @@
 namespace patch_plane_clustering {
 namespace {
 
-// Tuned on simulated offices and stairs of seeds that no test uses.
+// Chosen by hand, looking at simulated offices and stairs; not yet searched systematically.
 constexpr int kSeedHalfWindow = 4;        // [columns]
 constexpr double kPointDistance = 3.0;    // of a point from the plane, in sigmas
 constexpr double kMeanSquareError = 1.6;  // of a region, in sigmas squared

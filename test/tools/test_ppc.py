@@ -17,7 +17,8 @@ ROWS, COLS = 60, 80
 
 
 def ppc(*arguments):
-    return subprocess.run([PPC, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=300)
+    command = [PPC, *map(str, arguments)]
+    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=300)
 
 
 def wall(rows=ROWS, cols=COLS):
@@ -31,7 +32,8 @@ def wall(rows=ROWS, cols=COLS):
 
 
 def write_pcd(path, points, rows, cols, data="binary", kind="F", size=4, fields="x y z"):
-    header = (f"# .PCD v0.7\nVERSION 0.7\nFIELDS {fields}\nSIZE {size} {size} {size}\nTYPE {kind} {kind} {kind}\nCOUNT 1 1 1\n"
+    header = (f"# .PCD v0.7\nVERSION 0.7\nFIELDS {fields}\n"
+              f"SIZE {size} {size} {size}\nTYPE {kind} {kind} {kind}\nCOUNT 1 1 1\n"
               f"WIDTH {cols}\nHEIGHT {rows}\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {rows * cols}\nDATA {data}\n")
     if data == "ascii":
         body = "".join("%g %g %g\n" % p for p in points).encode()
@@ -147,7 +149,8 @@ class Segment(WithFolder):
         bad["empty"].write_bytes(b"")
         bad["text"].write_text("not a cloud\n" * 20)
         bad["truncated"].write_bytes(whole[: len(whole) // 2])
-        bad["huge"].write_bytes(whole.replace(b"WIDTH 80", b"WIDTH 4000000000").replace(b"POINTS 4800", b"POINTS 240000000000"))
+        huge = whole.replace(b"WIDTH 80", b"WIDTH 4000000000").replace(b"POINTS 4800", b"POINTS 240000000000")
+        bad["huge"].write_bytes(huge)
         write_pcd(bad["row"], wall(), 1, ROWS * COLS)
         write_pcd(bad["field"], wall(), ROWS, COLS, fields="x y w")
         write_pcd(bad["int"], wall(), ROWS, COLS, kind="I")
