@@ -68,6 +68,26 @@ void sumPatch(const BeamGrid& grid, const Eigen::Vector3d& center, const LabelIm
   if (patch.moments.n > 0) patch.range = ranges / patch.moments.n;
 }
 
+void linkNeighbours(PatchGrid& grid) {
+  grid.neighbour_begin.reserve(grid.patches.size() + 1);
+  grid.neighbours.reserve(6 * grid.patches.size());
+  for (int strip = 0; strip < grid.strips(); ++strip) {
+    for (int index = grid.strip_begin[strip]; index < grid.strip_begin[strip + 1]; ++index) {
+      grid.neighbour_begin.push_back(static_cast<int>(grid.neighbours.size()));
+      if (index > grid.strip_begin[strip]) grid.neighbours.push_back(index - 1);
+      if (index + 1 < grid.strip_begin[strip + 1]) grid.neighbours.push_back(index + 1);
+      const Patch& patch = grid.patches[index];
+      for (const int side : {strip - 1, strip + 1}) {
+        if (side < 0 || side >= grid.strips()) continue;
+        const int first = grid.strip_begin[side] + patch.row_begin / grid.strip_rows[side];
+        const int last = grid.strip_begin[side] + (patch.row_end - 1) / grid.strip_rows[side];
+        for (int i = first; i <= last; ++i) grid.neighbours.push_back(i);
+      }
+    }
+  }
+  grid.neighbour_begin.push_back(static_cast<int>(grid.neighbours.size()));
+}
+
 }  // namespace
 
 PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, const LabelImage* done) {
@@ -99,6 +119,7 @@ PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, 
     }
     out.strip_begin.push_back(static_cast<int>(out.patches.size()));
   }
+  linkNeighbours(out);
   return out;
 }
 

@@ -96,7 +96,7 @@ class PatchResolver {
     return CellResiduals(grid_, center_, noise_, floor_, pixel, planes_[label].cast<float>());
   }
 
-  void resolve(const Patch& patch, const std::vector<std::int32_t>& candidates, const LabelImage* fixed, LabelImage& out) {
+  void resolve(const Patch& patch, const std::vector<std::int32_t>& candidates, std::int32_t first_open, LabelImage& out) {
     const int strip = patch.col_begin / patches_.strip_cols;
     const int reach_rows = std::max(1, patches_.strip_rows[strip] / patches_.strip_cols);
     const int top = std::max(0, patch.row_begin - reach_rows), bottom = std::min(grid_.rows, patch.row_end + reach_rows);
@@ -145,7 +145,7 @@ class PatchResolver {
     for (int r = patch.row_begin; r < patch.row_end; ++r) {
       for (int c = patch.col_begin; c < patch.col_end; ++c) {
         const int i = grid_.index(r, c);
-        if (fixed != nullptr && fixed->labels[i] > 0) continue;
+        if (out.labels[i] > 0 && out.labels[i] < first_open) continue;
         out.labels[i] = winner_[static_cast<std::size_t>(r - top) * width + (c - left)];
       }
     }
@@ -172,44 +172,39 @@ LabelImage patchLabels(const BeamGrid& grid, const PatchGrid& patches, const Pat
   return out;
 }
 
-LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const LabelImage& labels,
+LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares, const LabelImage& labels,
                         const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
-                        const CoplanarityTolerance& tolerance, const LabelImage* fixed) {
-  LabelImage out = fixed != nullptr ? *fixed : emptyLabels(grid);
+                        const CoplanarityTolerance& tolerance, std::int32_t first_open) {
+  LabelImage out = labels;
   PatchResolver resolver(grid, cells, planes, noise, tolerance);
-
-  // The labels in each cell; 0 if some pixel has none.
   const int count = static_cast<int>(cells.patches.size());
-  std::vector<int> begin(cells.patches.size() + 1, 0);
-  std::vector<std::int32_t> seen;
-  std::vector<bool> open(cells.patches.size(), fixed == nullptr);
+
+  // The label of cells that have just one, whole; 0 of all others.
+  std::vector<std::int32_t> whole(cells.patches.size(), 0);
+  std::vector<bool> open(cells.patches.size(), false);
   for (int k = 0; k < count; ++k) {
-    const Patch& cell = cells.patches[k];
-    for (int r = cell.row_begin; r < cell.row_end; ++r) {
-      for (int i = grid.index(r, cell.col_begin); i < grid.index(r, cell.col_end); ++i) {
-        if (!grid.valid(i)) continue;
-        const std::int32_t label = labels.labels[i];
-        if (std::find(seen.begin() + begin[k], seen.end(), label) == seen.end()) seen.push_back(label);
-        if (fixed != nullptr && fixed->labels[i] == 0) open[k] = true;
-      }
+    int labelled = 0;
+    for (int s = shares.begin[k]; s < shares.begin[k + 1]; ++s) {
+      labelled += shares.shares[s].moments.n;
+      open[k] = open[k] || shares.shares[s].label >= first_open;
     }
-    begin[k + 1] = static_cast<int>(seen.size());
+    const bool full = labelled == cells.patches[k].moments.n;
+    if (full && shares.begin[k + 1] - shares.begin[k] == 1) whole[k] = shares.shares[shares.begin[k]].label;
+    open[k] = open[k] || !full;
   }
   std::vector<int> around;
   std::vector<std::int32_t> candidates;
   for (int k = 0; k < count; ++k) {
-    if (begin[k] == begin[k + 1] || !open[k]) continue;
     const Patch& cell = cells.patches[k];
-    const std::int32_t own = begin[k + 1] - begin[k] == 1 ? seen[begin[k]] : 0;
+    if (cell.moments.n == 0 || !open[k]) continue;
+    const std::int32_t own = whole[k];
     bool inside = own > 0;
-    cells.forEachNeighbour(k, [&](int j) {
-      for (int s = begin[j]; s < begin[j + 1]; ++s) inside = inside && seen[s] == own;
-    });
+    cells.forEachNeighbour(k, [&](int j) { inside = inside && (whole[j] == own || cells.patches[j].moments.n == 0); });
     if (inside) {
       const CellResiduals squared = resolver.residuals(middlePixel(grid, cell), own);
       for (int r = cell.row_begin; r < cell.row_end; ++r) {
         for (int i = grid.index(r, cell.col_begin); i < grid.index(r, cell.col_end); ++i) {
-          if (grid.valid(i) && squared(i) <= kMaxOwnResidual) out.labels[i] = own;
+          if (!grid.valid(i) || squared(i) > kMaxOwnResidual) out.labels[i] = 0;
         }
       }
       continue;
@@ -217,13 +212,11 @@ LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const Labe
     neighbourhood(cells, k, around);
     candidates.clear();
     for (const int j : around) {
-      for (int s = begin[j]; s < begin[j + 1]; ++s) {
-        if (seen[s] > 0) candidates.push_back(seen[s]);
-      }
+      for (int s = shares.begin[j]; s < shares.begin[j + 1]; ++s) candidates.push_back(shares.shares[s].label);
     }
     std::sort(candidates.begin(), candidates.end());
     candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
-    if (!candidates.empty()) resolver.resolve(cell, candidates, fixed, out);
+    resolver.resolve(cell, candidates, first_open, out);
   }
   return out;
 }

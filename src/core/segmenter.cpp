@@ -29,14 +29,15 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// Regions too thin for any patch to fit inside: smaller patches of what the first pass left over.
-void addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, const Config& config,
-                     LabelImage& labels) {
+// Regions too thin for any patch to fit inside: smaller patches of what the first pass left over. Returns their first label.
+std::int32_t addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
+                             const Config& config, LabelImage& labels) {
   PatchGrid patches = makePatchGrid(grid, std::max(2, (config.patch_size + 2) / 2), true, &labels);
   weighPatches(noise, patches);
   gatePatches(noise, tolerance, patches);
   const PatchClusters clusters = growClusters(patches, noise, tolerance, config.similarity_threshold);
-  std::int32_t next = 1 + *std::max_element(labels.labels.begin(), labels.labels.end());
+  const std::int32_t first = 1 + *std::max_element(labels.labels.begin(), labels.labels.end());
+  std::int32_t next = first;
   for (const Cluster& cluster : clusters.clusters) {
     if (cluster.moments.n < config.min_size / 4) continue;
     for (const int k : cluster.patches) {
@@ -50,6 +51,7 @@ void addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, const Coplan
     }
     ++next;
   }
+  return first;
 }
 
 }  // namespace
@@ -77,13 +79,12 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vecto
   mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels);
   lap("merging");
   if (config.refine) {
-    labels = refineLabels(grid, patches, labels, labelPlanes(shares), noise, tolerance);
+    labels = refineLabels(grid, patches, shares, labels, labelPlanes(shares), noise, tolerance);
     lap("refinement");
     if (config.second_pass) {
-      const LabelImage first = labels;
-      addSmallRegions(grid, noise, tolerance, config, labels);
+      const std::int32_t first_new = addSmallRegions(grid, noise, tolerance, config, labels);
       shares = shareCells(grid, patches, noise, labels);
-      labels = refineLabels(grid, patches, labels, labelPlanes(shares), noise, tolerance, &first);
+      labels = refineLabels(grid, patches, shares, labels, labelPlanes(shares), noise, tolerance, first_new);
       shares = shareCells(grid, patches, noise, labels);
       mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels);
       lap("second pass");

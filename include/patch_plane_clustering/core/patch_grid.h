@@ -31,6 +31,8 @@ struct PatchGrid {
   std::vector<int> strip_rows;     ///< rows of a patch in each strip
   std::vector<int> strip_begin;    ///< index of each strip's first patch, and one past the last
   std::vector<Patch> patches;      ///< strip by strip, in ascending rows
+  std::vector<int> neighbour_begin;  ///< index into `neighbours` of each patch's first one, and one past the last
+  std::vector<int> neighbours;     ///< patches that share an edge, patch by patch
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< mean sensor position: origin of all moments [m]
 
   int strips() const { return static_cast<int>(strip_rows.size()); }
@@ -38,28 +40,16 @@ struct PatchGrid {
     const int strip = col / strip_cols;
     return strip_begin[strip] + row / strip_rows[strip];
   }
-  /// Calls f(index) for the patches that share an edge with patch `index` of strip `strip`.
+  /// Calls f(i) for the patches i that share an edge with patch `index`.
   template <typename F>
-  void forEachNeighbour(int index, F&& f) const;
+  void forEachNeighbour(int index, F&& f) const {
+    for (int k = neighbour_begin[index]; k < neighbour_begin[index + 1]; ++k) f(neighbours[k]);
+  }
 };
 
 /// @brief Cuts the grid into patches and sums their moments with unit noise: w = r^2.
 /// @param equal_angle false: square k x k patches, as in the paper.
 /// @param done if given, pixels with a label there are left out of the moments.
 PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, const LabelImage* done = nullptr);
-
-template <typename F>
-void PatchGrid::forEachNeighbour(int index, F&& f) const {
-  const Patch& patch = patches[index];
-  const int strip = patch.col_begin / strip_cols;
-  if (index > strip_begin[strip]) f(index - 1);
-  if (index + 1 < strip_begin[strip + 1]) f(index + 1);
-  for (const int side : {strip - 1, strip + 1}) {
-    if (side < 0 || side >= strips()) continue;
-    const int first = strip_begin[side] + patch.row_begin / strip_rows[side];
-    const int last = strip_begin[side] + (patch.row_end - 1) / strip_rows[side];
-    for (int i = first; i <= last; ++i) f(i);
-  }
-}
 
 }  // namespace patch_plane_clustering

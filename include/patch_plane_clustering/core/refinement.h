@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/beam_grid.h"
 #include "patch_plane_clustering/core/clustering.h"
+#include "patch_plane_clustering/core/region_merging.h"
 #include "patch_plane_clustering/core/segmentation.h"
 
 namespace patch_plane_clustering {
@@ -15,11 +16,11 @@ LabelImage patchLabels(const BeamGrid& grid, const PatchGrid& patches, const Pat
 ///
 /// Each candidate plane predicts the point's range; the likeliest plane wins. The evidence is averaged over a small window
 /// (the likelihoods of single points overlap at high noise), outliers capped. Points that no plane explains get 0.
-/// @param fixed if given, pixels that have a label there keep it.
-/// @param cells blocks of pixels; @param labels index into `planes`, 0 = none. @param planes a of each label (moments.h).
-LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const LabelImage& labels,
+/// @param cells blocks of pixels, with the shares of the labels in each (shareCells). @param planes see labelPlanes().
+/// @param first_open pixels with a label below this one keep it; 1 resolves all.
+LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares, const LabelImage& labels,
                         const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
-                        const CoplanarityTolerance& tolerance, const LabelImage* fixed = nullptr);
+                        const CoplanarityTolerance& tolerance, std::int32_t first_open = 1);
 
 /// @brief Splits labels into pieces that are connected in the image. Gaps of up to `gap_cols` columns or `gap_rows` rows are
 /// bridged.
