@@ -118,7 +118,9 @@ class Watcher:
                 f"(compression {numbers.compression:.0f})")
         print(f"{line}, {numbers.total_milliseconds:.1f} ms ({stages}), {memory:.0f} MB", flush=True)
         if self.options.picture:
-            cv2.imwrite(self.options.picture, sweep_picture(parts["range_image"], parts["segmented_points"], line))
+            number = f"-{len(self.done) - 1:04d}" if self.options.keep else ""
+            path = number.join(os.path.splitext(self.options.picture))
+            cv2.imwrite(path, sweep_picture(parts["range_image"], parts["segmented_points"], line))
 
     def run(self, deadline):
         """Waits until enough sweeps have come; False if they did not come by the deadline."""
@@ -151,6 +153,7 @@ def main():
     parser.add_argument("--timeout", type=float, default=120, help="seconds of wall time to wait for them")
     parser.add_argument("--manager", default="manager", help="name of the nodelet manager")
     parser.add_argument("--picture", help="PNG file, written anew each sweep")
+    parser.add_argument("--keep", action="store_true", help="a picture for each sweep, numbered before the extension")
     options = parser.parse_args(rospy.myargv()[1:])
     deadline = time.monotonic() + options.timeout
     while not rosgraph.is_master_online():  # init_node would wait for ever
