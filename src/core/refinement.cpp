@@ -105,7 +105,7 @@ class PatchResolver {
     const std::size_t size = static_cast<std::size_t>(bottom - top) * width;
     const int middle = middlePixel(grid_, patch);
     if (middle < 0) return;
-    best_.assign(size, kMaxWindowCost);
+    best_.assign(size, std::numeric_limits<float>::infinity());
     winner_.assign(size, 0);
     for (const std::int32_t candidate : candidates) {
       const CellResiduals squared = residuals(middle, candidate);
@@ -117,7 +117,7 @@ class PatchResolver {
           if (!grid_.valid(i)) continue;
           const std::size_t at = static_cast<std::size_t>(r - top) * width + (c - left);
           own_[at] = squared(i);
-          cost_[at] = std::min(own_[at], kCap) + squared.logVariance();
+          cost_[at] = std::min(own_[at], kCap);
         }
       }
       for (int r = patch.row_begin; r < patch.row_end; ++r) {
@@ -135,8 +135,8 @@ class PatchResolver {
             }
           }
           const float mean = sum / static_cast<float>(n);
-          if (mean < best_[at]) {
-            best_[at] = mean;
+          if (mean < kMaxWindowCost && mean + squared.logVariance() < best_[at]) {
+            best_[at] = mean + squared.logVariance();
             winner_[at] = candidate;
           }
         }
