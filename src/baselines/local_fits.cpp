@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 LocalPlane fitPlane(const PointSums& sums) {
   const double n = sums.n;
@@ -69,4 +69,4 @@ std::vector<LocalPlane> localPlanes(const BeamGrid& grid, const NoiseModel& nois
   return planes;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

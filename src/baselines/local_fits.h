@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Sums of points that give their least-squares plane; points can be added one by one.
 struct PointSums {
@@ -52,4 +52,4 @@ inline float gapAt(double range, double sigma) { return static_cast<float>(0.03 
 /// @brief Local plane of every pixel; n < 3 points: curvature 1 and a normal against the beam.
 std::vector<LocalPlane> localPlanes(const BeamGrid& grid, const NoiseModel& noise, const Window& window);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

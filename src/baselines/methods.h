@@ -5,7 +5,7 @@
 
 #include <memory>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Point-based region growing after J. Poppinga, N. Vaskevicius, A. Birk, K. Pathak, Fast plane detection and
 /// polygonalization in noisy 3D range images, IROS 2008: a region starts from a small flat neighbourhood and takes the next
@@ -23,4 +23,4 @@ std::unique_ptr<PlaneSegmenter> makePclMultiPlane();
 /// connected in the image.
 std::unique_ptr<PlaneSegmenter> makeRansac();
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -10,7 +10,7 @@
 #include <limits>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief The grid as PCL's organised cloud; no measurement = NaN.
 inline pcl::PointCloud<pcl::PointXYZ>::Ptr toPclCloud(const BeamGrid& grid) {
@@ -53,4 +53,4 @@ inline LabelImage noLabels(const BeamGrid& grid) {
   return {grid.rows, grid.cols, std::vector<std::int32_t>(static_cast<std::size_t>(grid.size()), 0)};
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 // Chosen by hand, looking at simulated offices and stairs; not yet searched systematically.
@@ -57,4 +57,4 @@ class PclMultiPlane : public PlaneSegmenter {
 
 std::unique_ptr<PlaneSegmenter> makePclMultiPlane() { return std::make_unique<PclMultiPlane>(); }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

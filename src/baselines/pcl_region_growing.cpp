@@ -8,7 +8,7 @@
 
 #include <limits>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 // Chosen by hand, looking at simulated offices and stairs; not yet searched systematically.
@@ -58,4 +58,4 @@ class PclRegionGrowing : public PlaneSegmenter {
 
 std::unique_ptr<PlaneSegmenter> makePclRegionGrowing() { return std::make_unique<PclRegionGrowing>(); }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -6,7 +6,7 @@
 
 #include <stdexcept>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 class PatchPlaneClustering : public PlaneSegmenter {
@@ -40,4 +40,4 @@ Segmentation segmentWith(PlaneSegmenter& method, const BeamGrid& grid, const Con
   return finishSegmentation(grid, std::move(labels), config, std::move(stages));
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

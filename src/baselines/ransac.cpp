@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 // Chosen by hand, looking at simulated offices and stairs; not yet searched systematically.
@@ -118,4 +118,4 @@ class Ransac : public PlaneSegmenter {
 
 std::unique_ptr<PlaneSegmenter> makeRansac() { return std::make_unique<Ransac>(); }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

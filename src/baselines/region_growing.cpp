@@ -7,7 +7,7 @@
 #include <cmath>
 #include <queue>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 // Chosen by hand, looking at simulated offices and stairs; not yet searched systematically.
@@ -151,4 +151,4 @@ class RegionGrowing : public PlaneSegmenter {
 
 std::unique_ptr<PlaneSegmenter> makeRegionGrowing() { return std::make_unique<RegionGrowing>(); }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Appends the time since the last lap to a list of stages, if there is one.
 class StageTimer {
@@ -25,4 +25,4 @@ class StageTimer {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
@@ -157,4 +157,4 @@ BeamGrid beamGridFromPoints(int rows, int cols, const std::vector<float>& x, con
   return grid;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 constexpr int kMinPatchPoints = 6;
@@ -120,4 +120,4 @@ PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const
   return out;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <stdexcept>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using Type = ConfigField::Type;
@@ -97,4 +97,4 @@ void setConfigField(Config& config, const std::string& name, const std::string& 
   setConfigField(config, name, number);
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/contours.h"
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 // Directions of travel, clockwise: right, down, left, up.
@@ -88,4 +88,4 @@ class Tracer {
 
 PixelContours traceContours(const LabelImage& labels) { return Tracer(labels).run(); }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

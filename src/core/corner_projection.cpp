@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 // How far the range of a corner may leave the ranges measured around it. Half a step of a usual scan changes the range by
@@ -108,4 +108,4 @@ int CornerProjection::handedness(int row, int col) const {
   return area > tiny ? 1 : (area < -tiny ? -1 : 0);
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -9,7 +9,7 @@
 #include <set>
 #include <utility>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 constexpr int kMaxSamples = 1500;
@@ -261,4 +261,4 @@ void dropCurvedRegions(const BeamGrid& grid, const NoiseModel& noise, const Copl
   for (std::int32_t& label : labels.labels) label = renamed[label];
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

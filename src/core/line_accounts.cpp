@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/line_accounts.h"
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 const char* dropCauseName(DropCause cause) {
   switch (cause) {
@@ -31,4 +31,4 @@ const char* dropCauseName(DropCause cause) {
   return "unknown";
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

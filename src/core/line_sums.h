@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Straight line through `point` in unit direction `direction`.
 struct Line {
@@ -67,4 +67,4 @@ inline Eigen::Vector2d meet(const Line& a, const Line& b, const Eigen::Vector2d&
   return a.point + along * a.direction;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numeric>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 // Levenshtein's, one row of the table at a time.
@@ -40,4 +40,4 @@ std::string nearestName(const std::vector<std::string>& names, const std::string
   return nearest;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

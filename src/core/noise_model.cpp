@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 constexpr int kBins = 40;
@@ -66,4 +66,4 @@ NoiseModel NoiseModel::estimate(const PatchGrid& patches, const SensorModel& sen
   return NoiseModel(sigma);
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 // A patch near the pole may be this many times higher than wide in pixels: beyond, the lines no longer part.
@@ -123,4 +123,4 @@ PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, 
   return out;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <utility>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 constexpr int kStride = 8;
@@ -92,4 +92,4 @@ bool splitInHalf(PieceMask& mask) {
   return true;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

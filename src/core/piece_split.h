@@ -7,7 +7,7 @@
 
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief The pixels of one piece, cut out of the image: 1 inside, 0 outside. Pixel (0, 0) is (row, col) of the image.
 struct PieceMask {
@@ -29,4 +29,4 @@ bool splitAtFolds(const CornerProjection& projection, PieceMask& mask);
 /// @brief Labels the two halves, across the longer side, 1 and 2. @return false for a single pixel.
 bool splitInHalf(PieceMask& mask);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

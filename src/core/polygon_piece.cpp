@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using Outlines = std::vector<std::vector<OutlinePoint>>;
@@ -102,4 +102,4 @@ std::optional<PolygonPiece> makePiece(const Outlines& outlines, const OutlineTol
   return std::nullopt;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 void require(bool ok, const std::string& what) {
@@ -36,4 +36,4 @@ void checkConsistent(const RangeImage& image) {
   for (const auto& pose : image.line_poses) require(pose.matrix().allFinite(), "a line pose is not finite");
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 constexpr float kCap = 9.0F;              // squared residual beyond which a point is an outlier: three sigma
@@ -280,4 +280,4 @@ void splitComponents(int gap_rows, int gap_cols, LabelImage& labels) {
   }
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 constexpr double kWholeTolerance = 2.0;  // tolerance over a whole region over that from patch to patch
@@ -205,4 +205,4 @@ void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const Coplanar
   for (std::int32_t& label : labels.labels) label = renamed[label];
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

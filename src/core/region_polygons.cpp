@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 // A piece that is still not simple after so many cuts has beams without order and is dropped.
@@ -130,4 +130,4 @@ std::vector<PlanarPolygon> extractPolygons(const BeamGrid& grid, const LabelImag
   return polygons;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <numeric>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 constexpr double kMinCosine = 0.02;  // of incidence: the residual along a beam says nothing about a plane seen edge-on
@@ -190,4 +190,4 @@ int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels) {
   return n;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

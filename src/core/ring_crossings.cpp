@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 struct Segment {
@@ -95,4 +95,4 @@ bool isInside(const Eigen::Vector2d& p, const std::vector<Eigen::Vector2d>& ring
   return inside;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

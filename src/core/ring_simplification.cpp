@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -190,4 +190,4 @@ bool SimplifiedRing::refine(const std::vector<std::size_t>& edges) {
   return true;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

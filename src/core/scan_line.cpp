@@ -4,7 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 constexpr std::size_t kMostBeams = 100000;  // no 2D laser comes near; keeps a corrupt header from eating the memory
@@ -47,4 +47,4 @@ bool sameLayout(const ScanLine& a, const ScanLine& b) {
          a.bearing_increment == b.bearing_increment && a.range_min == b.range_min && a.range_max == b.range_max;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -13,7 +13,7 @@
 #include <chrono>
 #include <utility>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 class Stopwatch {
@@ -123,4 +123,4 @@ Segmentation finishSegmentation(const BeamGrid& grid, LabelImage labels, const C
   return result;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

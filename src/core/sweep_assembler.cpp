@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 constexpr double kClockJump = 1.0;             // [s]
@@ -242,4 +242,4 @@ void SweepAssembler::drop(DropCause cause, std::size_t lines) {
   accounts_.dropped[static_cast<std::size_t>(cause)] += lines;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 constexpr double kPi = 3.141592653589793;
@@ -72,4 +72,4 @@ std::size_t SweepSplitter::feedSpinning(double tilt) {
   return before;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

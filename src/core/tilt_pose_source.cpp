@@ -3,7 +3,7 @@
 
 #include <stdexcept>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 Eigen::Vector3d tiltAxis(const std::string& name) {
   const bool negative = !name.empty() && name[0] == '-';
@@ -37,4 +37,4 @@ PoseStatus TiltPoseSource::at(double stamp, LaserPose& pose) {
   return PoseStatus::kReady;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 constexpr double kTurn = 6.283185307179586;
@@ -78,4 +78,4 @@ TiltTrack::Status TiltTrack::lookup(double stamp, double& angle) const {
   return Status::kReady;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 PlaneScore planeScore(const std::vector<PlanarRegion>& truth, const std::vector<PlanarRegion>& found,
                       const RegionOverlap& overlap, const SegcompScore& matches) {
@@ -32,4 +32,4 @@ PlaneScore planeScore(const std::vector<PlanarRegion>& truth, const std::vector<
   return score;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Axes on a plane: u x v = normal, so that a ring that is counter-clockwise seen from the sensor is so in (u, v).
 struct PlaneAxes {
@@ -19,4 +19,4 @@ struct PlaneAxes {
 /// @brief The region with this id, or null. Precondition: ascending ids.
 const PlanarRegion* regionById(const std::vector<PlanarRegion>& regions, std::int32_t id);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -13,7 +13,7 @@
 #include <limits>
 #include <stdexcept>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 // Even-odd test against all rings of a polygon at once, edges sorted into horizontal strips.
@@ -146,4 +146,4 @@ PolygonQuality polygonQuality(const std::vector<PlanarRegion>& regions, const st
   return quality;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

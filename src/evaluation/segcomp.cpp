@@ -5,7 +5,7 @@
 #include <map>
 #include <stdexcept>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using Sizes = std::map<std::int32_t, int>;
@@ -160,4 +160,4 @@ double f1(const RegionOverlap& overlap, const SegcompScore& score) {
   return all == 0 ? 1.0 : 2.0 * score.correct / static_cast<double>(all);
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -18,7 +18,7 @@
 #include <string>
 #include <utility>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -178,6 +178,6 @@ class PatchPlaneClustering : public nodelet::Nodelet {
   std::unique_ptr<NewestWorker<Arrival>> worker_;
 };
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc
 
-PLUGINLIB_EXPORT_CLASS(patch_plane_clustering::PatchPlaneClustering, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(ppc::PatchPlaneClustering, nodelet::Nodelet)

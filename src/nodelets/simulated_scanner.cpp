@@ -14,7 +14,7 @@
 #include <numeric>
 #include <pluginlib/class_list_macros.hpp>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Publishes what a tilting laser would, from a simulated scene.
 ///
@@ -130,6 +130,6 @@ class SimulatedScanner : public nodelet::Nodelet {
   std::vector<TruthRow> pass_;
 };
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc
 
-PLUGINLIB_EXPORT_CLASS(patch_plane_clustering::SimulatedScanner, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(ppc::SimulatedScanner, nodelet::Nodelet)

@@ -13,7 +13,7 @@
 #include <memory>
 #include <pluginlib/class_list_macros.hpp>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// Line scans and the tilt motor's angle in, organised range images out. All callbacks run in the nodelet's single-threaded
 /// queue; only tf has a thread of its own.
@@ -192,6 +192,6 @@ class TiltScanDriver : public nodelet::Nodelet {
   ros::WallTimer housekeeping_, diagnostics_timer_;
 };
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc
 
-PLUGINLIB_EXPORT_CLASS(patch_plane_clustering::TiltScanDriver, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(ppc::TiltScanDriver, nodelet::Nodelet)

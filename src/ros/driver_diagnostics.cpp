@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 constexpr double kSilence = 2.0;  // [s]
@@ -73,4 +73,4 @@ void DriverDiagnostics::write(const DriverHealth& health, double elapsed,
   last_ = health;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 DriverOptions readDriverOptions(ParameterReader& reader) {
   DriverOptions o;
@@ -50,4 +50,4 @@ DriverOptions readDriverOptions(ParameterReader& reader) {
   return o;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

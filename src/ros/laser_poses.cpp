@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 bool LaserPoses::needsTf(const DriverOptions& options) {
   return options.joint_name.empty() || !options.fixed_frame.empty() || !options.mount;
@@ -58,4 +58,4 @@ std::string describeMount(const Eigen::Isometry3d& mount) {
   return text;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

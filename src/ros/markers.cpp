@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using visualization_msgs::Marker;
@@ -102,4 +102,4 @@ visualization_msgs::MarkerArray toMarkers(const Segmentation& segmentation, cons
   return array;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

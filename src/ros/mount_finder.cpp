@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 constexpr double kOtherTilt = 0.01;      // a tilt this far from the first is a second opinion [rad]
@@ -34,4 +34,4 @@ bool MountFinder::look(const TiltPoseSource& joint) {
   return true;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using sensor_msgs::PointCloud2;
@@ -118,4 +118,4 @@ PointCloud2 toSegmentedCloud(const BeamGrid& grid, const LabelImage& labels, con
   return cloud;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <sstream>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using XmlRpc::XmlRpcValue;
@@ -150,4 +150,4 @@ Config readConfig(ParameterReader& reader) {
   return config;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -10,7 +10,7 @@
 #include <limits>
 #include <stdexcept>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 constexpr std::uint32_t kMostPixels = 100000000;  // keeps a corrupt size from eating the memory
@@ -158,4 +158,4 @@ std::string faultOf(const sensor_msgs::LaserScan& scan) {
          std::to_string(scan.ranges.size());
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -3,7 +3,7 @@
 
 #include <dynamic_reconfigure/config_tools.h>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 // Both ways go through the generated struct's own message form, whose values have names: no field is listed here.
 
@@ -39,4 +39,4 @@ Config fromReconfigurable(const PatchPlaneClusteringConfig& update, const Config
   return config;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

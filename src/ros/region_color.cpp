@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 std::uint8_t channel(double hue, double saturation, double value) {
@@ -24,4 +24,4 @@ RegionColor regionColor(std::int32_t id) {
           channel(std::fmod(hue + 2.0, 6.0), saturation, value)};
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 geometry_msgs::Polygon toRing(const std::vector<Eigen::Vector3d>& vertices) {
@@ -101,4 +101,4 @@ SegmentationStatistics toStatistics(const Segmentation& segmentation, const std_
   return statistics;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/ros/simulated_messages.h"
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 sensor_msgs::LaserScan toLaserScan(const sim::Scanner& scanner, const sim::ScanLine& line, const ros::Time& start,
                                    const SimulatedNames& names) {
@@ -49,4 +49,4 @@ tf2_msgs::TFMessage toTransforms(const sim::Scanner& scanner, const sim::JointSa
   return message;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

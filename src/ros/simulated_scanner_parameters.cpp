@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 Eigen::Vector3d readVector(ParameterReader& reader, const std::string& name) {
@@ -61,4 +61,4 @@ SimulatedScannerParameters readSimulatedScannerParameters(ParameterReader& reade
   return p;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

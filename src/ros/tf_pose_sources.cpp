@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 double twistAngle(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& axis) {
   return std::remainder(2.0 * std::atan2(rotation.vec().dot(axis), rotation.w()), 2.0 * M_PI);
@@ -48,4 +48,4 @@ PoseStatus MovingBaseSource::at(double stamp, LaserPose& pose) {
   return PoseStatus::kReady;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

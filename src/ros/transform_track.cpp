@@ -6,7 +6,7 @@
 #include <tf2/exceptions.h>
 #include <utility>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 Eigen::Isometry3d toIsometry(const geometry_msgs::Transform& t) {
@@ -48,4 +48,4 @@ PoseStatus TransformTrack::at(double stamp, Eigen::Isometry3d& transform) {
   return transform.matrix().allFinite() ? PoseStatus::kReady : PoseStatus::kNoTransform;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

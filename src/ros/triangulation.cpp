@@ -6,7 +6,7 @@
 #include <memory>
 #include <new>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 struct Tessellation {
@@ -59,4 +59,4 @@ std::vector<Eigen::Vector3d> triangulate(const PlanarPolygon& polygon, const Eig
   return tessellation.triangles;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

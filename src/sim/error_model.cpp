@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 namespace {
 
 void requireRange(const std::string& name, double value, double max) {
@@ -72,4 +72,4 @@ void checkErrors(const ErrorModel& errors) {
   for (const ErrorField& field : errorFields()) requireRange(field.name, errors.*field.value, field.max);
 }
 
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 namespace {
 
 // Way covered (0 to 1) at phase x of a pass (0 to 1) with a trapezoidal speed profile.
@@ -44,4 +44,4 @@ Motion::Kind motionFromName(const std::string& name) {
   throw std::invalid_argument("motion is '" + name + "', allowed: nodding, spinning");
 }
 
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 
 ScanStream::ScanStream(const Scanner& scanner, int replay_passes)
     : scanner_(scanner), replay_lines_(replay_passes * scanner.options().motion.lines_per_pass) {
@@ -41,4 +41,4 @@ ScanEvent ScanStream::next() {
   return event;
 }
 
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <stdexcept>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 namespace {
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
@@ -217,4 +217,4 @@ Sweep simulateSweep(const std::string& scene, const std::string& sensor, const E
   return Scanner(makeScene(scene, seed), options, seed).sweep(0);
 }
 
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <stdexcept>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 
 std::int32_t Scene::addPlane(Surface surface, std::int32_t id) {
   surface.plane_id = id < 0 ? newPlane() : id;
@@ -107,4 +107,4 @@ Hit Scene::cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction)
   return hit;
 }
 
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

@@ -3,7 +3,7 @@
 
 #include <stdexcept>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 
 bool makeAnalytic(const std::string& name, Scene& scene) {
   SceneBuilder builder(0);
@@ -50,4 +50,4 @@ Scene makeScene(const std::string& name, std::uint64_t seed) {
   throw std::invalid_argument("scene is '" + name + "', allowed: " + known);
 }
 
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene_builder.h"
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 namespace {
 
 using Eigen::Vector2d;
@@ -136,4 +136,4 @@ Scene SceneBuilder::finish(const Vector3d& position, double yaw) {
   return std::move(scene);
 }
 
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

@@ -6,7 +6,7 @@
 
 #include <vector>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 
 /// The parts that rooms are made of. Makers draw at most one random number a call expression: C++ leaves the order of
 /// arguments open (that of braced lists is fixed), and the same seed must give the same scene with every compiler. World
@@ -79,4 +79,4 @@ Scene makeCreases(std::uint64_t seed);
 /// Analytic scenes for tests; false if the name is none of theirs.
 bool makeAnalytic(const std::string& name, Scene& scene);
 
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene_builder.h"
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 
 /// A corridor with doors standing back in both walls, deep recesses, a side passage, notice boards and a cupboard.
 Scene makeCorridor(std::uint64_t seed) {
@@ -47,4 +47,4 @@ Scene makeCorridor(std::uint64_t seed) {
   return b.finish({x, b.random.uniform(0.4, 0.6) * width, b.random.uniform(1.0, 1.5)}, yaw);
 }
 
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

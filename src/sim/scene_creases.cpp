@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -76,4 +76,4 @@ Scene makeCreases(std::uint64_t seed) {
   return b.finish({sensor.x(), sensor.y(), height}, b.random.uniform(-M_PI, M_PI));
 }
 
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

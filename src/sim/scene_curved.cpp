@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene_builder.h"
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 
 /// A room with columns, barrels, balls, plants, a person-like figure and a rounded corner among a few boxes.
 Scene makeCurved(std::uint64_t seed) {
@@ -59,4 +59,4 @@ Scene makeCurved(std::uint64_t seed) {
   return b.finish({sensor.x(), sensor.y(), height}, b.random.uniform(-M_PI, M_PI));
 }
 
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene_builder.h"
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 
 /// Steps up ahead between two walls, with a landing above, a door behind, a handrail (a cylinder) and a notice board.
 Scene makeStairs(std::uint64_t seed) {
@@ -42,4 +42,4 @@ Scene makeStairs(std::uint64_t seed) {
   return b.finish({b.random.uniform(0.9, 1.4), b.random.uniform(0.4, 0.6) * width, b.random.uniform(1.1, 1.7)}, yaw);
 }
 
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

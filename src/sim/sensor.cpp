@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 namespace {
 
 constexpr double kDegree = M_PI / 180.0;
@@ -53,4 +53,4 @@ Sensor makeSensor(const std::string& name) {
   throw std::invalid_argument("sensor is '" + name + "', allowed: utm_30lx, urg_04lx");
 }
 
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

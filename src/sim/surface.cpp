@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 namespace {
 
 constexpr double kMiss = std::numeric_limits<double>::infinity();
@@ -215,4 +215,4 @@ Eigen::AlignedBox3d boundingBox(const Surface& s) {
   return {box.min() - margin, box.max() + margin};
 }
 
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

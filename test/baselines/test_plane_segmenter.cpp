@@ -8,7 +8,7 @@
 #include <random>
 #include <stdexcept>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 constexpr int kRows = 120, kCols = 160;
@@ -117,4 +117,4 @@ TEST(MakeSegmenter, AnUnknownNameListsTheKnownOnes) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-namespace patch_plane_clustering::testing_tools {
+namespace ppc::testing_tools {
 
 namespace bg = boost::geometry;
 using BoostPolygon = bg::model::polygon<bg::model::d2::point_xy<double>, false, false>;  // counter-clockwise, open
@@ -110,4 +110,4 @@ inline double totalArea(const std::vector<PlanarPolygon>& polygons, std::int32_t
   return area;
 }
 
-}  // namespace patch_plane_clustering::testing_tools
+}  // namespace ppc::testing_tools

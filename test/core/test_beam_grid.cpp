@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using testing_tools::kDegree;
@@ -117,4 +117,4 @@ TEST(BeamGridFromPoints, WrongSizesAreRefused) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -6,7 +6,7 @@
 #include <set>
 #include <stdexcept>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 template <typename Call>
@@ -89,4 +89,4 @@ TEST(Config, UnknownNameSuggestsTheNearest) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

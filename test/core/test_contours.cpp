@@ -7,7 +7,7 @@
 #include <string>
 #include <tuple>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 LabelImage labelsFrom(const std::vector<std::string>& lines) {
@@ -111,4 +111,4 @@ TEST(Contours, RandomLabelsAreCoveredExactly) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <functional>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -62,4 +62,4 @@ TEST(RangeImage, FaultsAreNamed) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

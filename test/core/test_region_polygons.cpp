@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using namespace testing_tools;
@@ -308,4 +308,4 @@ TEST(RegionPolygons, SameInputSameOutput) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using namespace testing_tools;
@@ -91,4 +91,4 @@ INSTANTIATE_TEST_SUITE_P(Labels, Fuzz,
                                            std::make_tuple(0.03, 1.56, 0.05, 0.02), std::make_tuple(0.0, 0.4, 0.05, 0.3)));
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -7,7 +7,7 @@
 #include <Eigen/Cholesky>
 #include <random>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using namespace testing_tools;
@@ -100,4 +100,4 @@ TEST(RegionStatistics, RenumberingIsBySizeThenByPlace) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

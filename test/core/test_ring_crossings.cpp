@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <cmath>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using Ring = std::vector<Eigen::Vector2d>;
@@ -47,4 +47,4 @@ TEST(RingCrossings, LongCircleIsSimple) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

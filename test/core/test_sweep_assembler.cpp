@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 constexpr double kStart = 1000.0;
@@ -502,4 +502,4 @@ TEST(SweepAssembler, aMovingBaseIsReferredToTheNewestBeam) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

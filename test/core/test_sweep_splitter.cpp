@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 // Lengths of the completed sweeps.
@@ -80,4 +80,4 @@ TEST(SweepSplitter, restartForgetsTheOpenSweep) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using Status = TiltTrack::Status;
@@ -136,4 +136,4 @@ TEST(TiltTrack, forgetsTheOldestBeyondItsCapacity) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

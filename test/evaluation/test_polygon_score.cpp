@@ -8,7 +8,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 // A pinhole's beams through (1, y, z), y and z from -1 to 1 in steps of 0.05.
@@ -122,4 +122,4 @@ TEST(PlaneScore, AnglesAndOffsetsOfMatchedRegions) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -5,7 +5,7 @@
 
 #include <stdexcept>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 // Runs of (label, number of pixels), one row.
@@ -92,4 +92,4 @@ TEST(Segcomp, OtherSizesAndTolerancesAreRefused) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// Distance from `origin`, inside the test's room, along `direction` to its walls. The room is a box about the world's
 /// origin.
@@ -191,4 +191,4 @@ class ScanPlayer {
   ros::Subscriber image_sub_, points_sub_, radial_sub_, diagnostics_sub_;
 };
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using Ring = std::vector<Eigen::Vector3d>;
@@ -161,4 +161,4 @@ TEST(Markers, RingsAreClosed) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 TEST(NewestWorker, NewestOfTheWaitingWins) {
@@ -67,4 +67,4 @@ TEST(NewestWorker, EndsWithTheItemInWorkAndDropsTheWaiting) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 const std::vector<std::string> kMethods = {"ppc", "ransac"};
@@ -74,7 +74,7 @@ TEST(Parameters, AnEmptyNamespaceGivesTheDefaults) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -18,7 +18,7 @@
 #include <thread>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using namespace testing_tools;  // NOLINT: one scene header for these tests
@@ -337,7 +337,7 @@ TEST_F(PatchPlaneClusteringTest, UnloadAndLoadUnderTraffic) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

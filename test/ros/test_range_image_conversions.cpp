@@ -9,7 +9,7 @@
 #include <limits>
 #include <stdexcept>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 const float kInf = std::numeric_limits<float>::infinity();
@@ -180,4 +180,4 @@ TEST(RangeImageConversions, aStampThatRosCannotHoldIsZero) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 /// Values by name and type, of one of the generated structs (default, min, max).
@@ -71,4 +71,4 @@ TEST(Reconfiguration, RefusesWhatClampingLetsThrough) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace patch_plane_clustering::testing_tools {
+namespace ppc::testing_tools {
 
 /// A plate 2 m ahead, 1.6 m wide and 1.2 m high, with a window of 0.5 m x 0.4 m; nothing behind it.
 constexpr double kPlateArea = 1.6 * 1.2 - 0.5 * 0.4;
@@ -83,4 +83,4 @@ inline sensor_msgs::PointCloud2 cameraCloud(double stamp) {
   return cloud;
 }
 
-}  // namespace patch_plane_clustering::testing_tools
+}  // namespace ppc::testing_tools

@@ -14,7 +14,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using namespace testing_tools;  // NOLINT: one scene header for these tests
@@ -212,4 +212,4 @@ TEST(Cloud, PaddingOfTheLastRowMayBeMissing) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

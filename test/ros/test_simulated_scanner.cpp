@@ -13,7 +13,7 @@
 #include <cstring>
 #include <functional>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 constexpr double kStart = 1000.0;  // of the simulator's clock [s]
@@ -108,7 +108,7 @@ TEST(SimulatedScanner, WrongParametersKeepItFromStarting) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

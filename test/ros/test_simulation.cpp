@@ -10,7 +10,7 @@
 #include <set>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 /// The face that a polygon lies on, all its vertices within `tolerance` of it [m]; 0 if there is none.
@@ -69,7 +69,7 @@ TEST(Simulation, PolygonsOfEverySweepLieOnTheFacesOfTheBox) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 Eigen::Isometry3d turn(double angle, const Eigen::Vector3d& axis = Eigen::Vector3d::UnitY()) {
@@ -171,4 +171,4 @@ TEST(LaserPoses, saysWhereTheMountComesFrom) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -7,7 +7,7 @@
 #include <std_srvs/Trigger.h>
 #include <limits>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 // Largest distance of a cloud's points from the room's walls; `base_in_room` is the cloud's frame in the room.
@@ -370,7 +370,7 @@ TEST(TiltScanDriver, aMisspeltParameterIsReportedByName) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

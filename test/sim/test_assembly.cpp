@@ -9,7 +9,7 @@
 #include <cmath>
 #include <ostream>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 struct Motor {
@@ -109,4 +109,4 @@ INSTANTIATE_TEST_SUITE_P(Motors, Assembly,
                          [](const testing::TestParamInfo<Motor>& tested) { return tested.param.name; });
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

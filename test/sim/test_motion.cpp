@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 namespace {
 
 TEST(Motion, NoddingSwingsBetweenItsTurningPoints) {
@@ -59,4 +59,4 @@ TEST(Motion, NamesAreChecked) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

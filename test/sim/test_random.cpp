@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 namespace {
 
 TEST(Random, SequenceIsFixedForEver) {
@@ -48,4 +48,4 @@ TEST(Random, DistributionsHaveTheirMoments) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 namespace {
 
 Scanner smallScanner() {
@@ -60,4 +60,4 @@ TEST(ScanStream, ReplayNeedsWholePeriods) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

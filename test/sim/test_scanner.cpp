@@ -9,7 +9,7 @@
 #include <functional>
 #include <set>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -422,4 +422,4 @@ TEST(Sensor, PresetsAreTheDataSheets) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -151,4 +151,4 @@ TEST(Scene, UnknownNamesAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

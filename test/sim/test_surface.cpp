@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <cmath>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 namespace {
 
 using Eigen::Vector3d;
@@ -105,4 +105,4 @@ TEST(Surface, BoundingBoxHoldsEveryHit) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief A method that labels the planar regions of a grid of beams. PPC and the methods it is compared with share it.
 class PlaneSegmenter {
@@ -29,4 +29,4 @@ std::unique_ptr<PlaneSegmenter> makeSegmenter(const std::string& name);
 /// @brief Labels by `method`, then region statistics and polygons (finishSegmentation).
 Segmentation segmentWith(PlaneSegmenter& method, const BeamGrid& grid, const Config& config);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

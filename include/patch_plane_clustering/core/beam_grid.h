@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief What every segmenter works on: an organised grid of beams, in structure-of-arrays layout.
 ///
@@ -43,4 +43,4 @@ BeamGrid toBeamGrid(const RangeImage& image);
 BeamGrid beamGridFromPoints(int rows, int cols, const std::vector<float>& x, const std::vector<float>& y,
                             const std::vector<float>& z, const Eigen::Vector3f& viewpoint = Eigen::Vector3f::Zero());
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -7,7 +7,7 @@
 
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Patches that lie on one plane.
 struct Cluster {
@@ -37,4 +37,4 @@ double estimateInflation(const PatchGrid& grid);
 PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
                            double threshold);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief All that a user can tune. Each default is given here once; parameter servers, YAML files, `--set` and
 /// dynamic_reconfigure know the fields by the names in configFields().
@@ -47,4 +47,4 @@ void setConfigField(Config& config, const std::string& name, double value);
 /// @brief As above, from text ("0.05", "true"), as on a command line.
 void setConfigField(Config& config, const std::string& name, const std::string& value);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief One corner of a pixel outline: the upper left corner of pixel (row, col); 0 <= row <= rows, 0 <= col <= cols.
 ///
@@ -42,4 +42,4 @@ struct PixelContours {
 /// run downwards, counter-clockwise for holes. Time: O(pixels + corners).
 PixelContours traceContours(const LabelImage& labels);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief A corner of an outline on its plane, in the plane's own coordinates [m].
 struct OutlinePoint {
@@ -53,4 +53,4 @@ class CornerProjection {
   double shortest_, longest_;  // range measured around the last corner [m]
 };
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief How a region bends: the quadratic surface z = c0 + c1 s + c2 t + c3 s^2 + c4 s t + c5 t^2 over its own plane.
 struct Bend {
@@ -29,4 +29,4 @@ std::vector<Bend> measureBends(const BeamGrid& grid, const LabelImage& labels, c
 void dropCurvedRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double max_turn,
                        LabelImage& labels);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Why a line is in no image.
 enum class DropCause {
@@ -44,4 +44,4 @@ struct LineAccounts {
   }
 };
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

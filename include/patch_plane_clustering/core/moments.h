@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Weighted moments of points seen from a sensor near the origin, for plane fits whose residuals run along the beams.
 ///
@@ -100,4 +100,4 @@ inline double chiSquare(const Moments& m, const Eigen::Vector3d& a) {
   return std::max(0.0, m.w - 2.0 * (a.x() * m.x + a.y() * m.y + a.z() * m.z) + quadratic);
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

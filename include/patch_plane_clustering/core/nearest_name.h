@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief The name that a misspelt one most likely means: smallest edit distance, the first of equals. Empty without names.
 std::string nearestName(const std::vector<std::string>& names, const std::string& misspelt);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

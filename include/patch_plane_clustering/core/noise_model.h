@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Range noise as a function of range: from the sensor model, or estimated from an image.
 class NoiseModel {
@@ -34,4 +34,4 @@ class NoiseModel {
   std::vector<double> table_;  // looked up once or more a point: no logarithm there
 };
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief A block of pixels of the grid and the plane fitted to it.
 struct Patch {
@@ -52,4 +52,4 @@ struct PatchGrid {
 /// @param done if given, pixels with a label there are left out of the moments.
 PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, const LabelImage* done = nullptr);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Plane in Hessian normal form: normal . p = d, |normal| = 1, normal towards the sensor (so d < 0 when the sensor is
 /// at the origin). shape_msgs/Plane stores a x + b y + c z + e = 0: its fourth coefficient is -d.
@@ -20,4 +20,4 @@ struct Plane {
   }
 };
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief A polygon with holes in plane coordinates: outer ring counter-clockwise, holes clockwise, not repeated at the end.
 struct PolygonPiece {
@@ -25,4 +25,4 @@ struct PolygonPiece {
 std::optional<PolygonPiece> makePiece(const std::vector<std::vector<OutlinePoint>>& rings,
                                       const OutlineTolerance& tolerance);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

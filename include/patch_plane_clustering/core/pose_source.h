@@ -3,7 +3,7 @@
 
 #include <Eigen/Geometry>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Where the laser was at one instant.
 struct LaserPose {
@@ -28,4 +28,4 @@ class PoseSource {
   virtual PoseStatus at(double stamp, LaserPose& pose) = 0;
 };
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

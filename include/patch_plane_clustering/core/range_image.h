@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Organised range image of a moving line scanner.
 ///
@@ -40,4 +40,4 @@ inline bool isValidRange(float range, double range_min, double range_max) {
 /// @brief Throws std::invalid_argument naming the first inconsistent field (sizes, non-finite geometry, poses).
 void checkConsistent(const RangeImage& image);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -6,7 +6,7 @@
 #include "patch_plane_clustering/core/region_merging.h"
 #include "patch_plane_clustering/core/segmentation.h"
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Labels of the pixels of clustered patches: cluster index + 1, 0 elsewhere.
 LabelImage patchLabels(const BeamGrid& grid, const PatchGrid& patches, const PatchClusters& clusters);
@@ -26,4 +26,4 @@ LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const Cell
 /// bridged.
 void splitComponents(int gap_rows, int gap_cols, LabelImage& labels);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

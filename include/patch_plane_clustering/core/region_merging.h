@@ -9,7 +9,7 @@
 
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief What the labels have in every cell of a grid of patches.
 struct CellShares {
@@ -37,4 +37,4 @@ std::vector<Eigen::Vector3d> labelPlanes(const CellShares& cells);
 void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
                  CellShares& shares, LabelImage& labels);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

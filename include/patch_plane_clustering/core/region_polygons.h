@@ -6,7 +6,7 @@
 
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 struct PolygonOptions {
   double simplification_tolerance = 0.02;  ///< largest distance between the outline and its simplification [m]; 0 = keep all
@@ -29,4 +29,4 @@ struct PolygonOptions {
 std::vector<PlanarPolygon> extractPolygons(const BeamGrid& grid, const LabelImage& labels,
                                            const std::vector<PlanarRegion>& regions, const PolygonOptions& options);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -6,7 +6,7 @@
 
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Plane, centroid, covariance, point count and rms of every region of a label image, whichever method made the labels.
 /// The plane minimises the residuals along the beams, as range noise runs there (total least squares where a region is seen
@@ -19,4 +19,4 @@ std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage
 /// `min_size` valid points. @return N.
 int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// Edges of rings that do not share a vertex keep at least this distance [m]: rings stay simple when they are rounded to the
 /// single precision of geometry_msgs/Point32.
@@ -26,4 +26,4 @@ std::vector<RingEdge> findCrossings(const std::vector<std::vector<Eigen::Vector2
 /// @brief True if `p` lies inside a simple ring of either orientation.
 bool isInside(const Eigen::Vector2d& p, const std::vector<Eigen::Vector2d>& ring);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

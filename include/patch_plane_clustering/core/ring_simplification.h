@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief How far a simplified outline may leave the corners of the region: the larger of two limits.
 struct OutlineTolerance {
@@ -70,4 +70,4 @@ class SimplifiedRing {
 double signedArea(const OutlinePoint* points, std::size_t size);
 double signedArea(const std::vector<Eigen::Vector2d>& ring);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief One line of a 2D laser: n beams, evenly spaced in bearing and in time.
 struct ScanLine {
@@ -29,4 +29,4 @@ std::string faultOf(const ScanLine& line);
 /// @brief True if lines can share an image: same number of beams, bearings and range limits.
 bool sameLayout(const ScanLine& a, const ScanLine& b);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief One label a pixel, row-major: 0 = no plane, otherwise the id of a region.
 struct LabelImage {
@@ -51,4 +51,4 @@ struct Segmentation {
   int regions_without_polygon = 0;      ///< regions whose outline collapsed (smaller than the tolerance)
 };
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -5,7 +5,7 @@
 #include "patch_plane_clustering/core/config.h"
 #include "patch_plane_clustering/core/segmentation.h"
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Patch-based Plane Clustering: labels of the planar regions of a grid of beams (PPC's own stages, up to the label
 /// image). Deterministic: same grid and config, same labels.
@@ -18,4 +18,4 @@ Segmentation segment(const BeamGrid& grid, const Config& config);
 /// @brief The steps that every method shares once it has labels: small regions dropped, ids by size, planes, polygons.
 Segmentation finishSegmentation(const BeamGrid& grid, LabelImage labels, const Config& config, std::vector<StageTime> stages);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Range noise of a laser (one standard deviation), as data sheets give it.
 ///
@@ -20,4 +20,4 @@ struct SensorModel {
   }
 };
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief What "coplanar" may mean on real walls and real sensors, beyond the noise of single ranges.
 struct CoplanarityTolerance {
@@ -39,4 +39,4 @@ inline double secantSquared(const Eigen::Vector3d& a, double range) {
   return std::clamp(a.squaredNorm() * range * range, 1.0, 30.0);
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

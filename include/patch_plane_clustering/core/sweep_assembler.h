@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 struct SweepOptions {
   SweepMotion motion = SweepMotion::kNodding;
@@ -101,4 +101,4 @@ class SweepAssembler {
   int standing_ = -1;         // lines since it was last seen moving; -1 = no line yet
 };
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

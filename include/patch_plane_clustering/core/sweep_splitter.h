@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief How the motor moves, and so where a sweep ends.
 enum class SweepMotion {
@@ -43,4 +43,4 @@ class SweepSplitter {
   double sector_ = 0.0;      // spinning: number of the half or full turn
 };
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

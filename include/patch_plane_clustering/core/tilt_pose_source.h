@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Unit vector of a named tilt axis: roll (x), pitch (y) or yaw (z), with a leading '-' for the opposite sense.
 /// @throws std::invalid_argument naming the allowed words.
@@ -38,4 +38,4 @@ class TiltPoseSource : public PoseSource {
   std::optional<Eigen::Isometry3d> mount_;
 };
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -6,7 +6,7 @@
 #include <deque>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 struct TiltTrackOptions {
   double max_gap = 0.5;         ///< never interpolate between samples further apart than this [s]
@@ -64,4 +64,4 @@ class TiltTrack {
   Counts counts_;
 };
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

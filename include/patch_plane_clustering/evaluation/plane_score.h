@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Errors of the planes of correctly detected regions.
 struct PlaneScore {
@@ -21,4 +21,4 @@ struct PlaneScore {
 PlaneScore planeScore(const std::vector<PlanarRegion>& truth, const std::vector<PlanarRegion>& found,
                       const RegionOverlap& overlap, const SegcompScore& matches);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

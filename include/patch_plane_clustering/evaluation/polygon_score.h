@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Renders polygons back along every beam: the id of the nearest polygon that the beam goes through, 0 = none. Beams
 /// without a measurement are rendered too; see withoutUnmeasured().
@@ -32,4 +32,4 @@ struct PolygonQuality {
 /// clockwise seen from the sensor (against the normal).
 PolygonQuality polygonQuality(const std::vector<PlanarRegion>& regions, const std::vector<PlanarPolygon>& polygons);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

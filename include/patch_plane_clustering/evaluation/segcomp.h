@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Pixels shared by the regions of a true and a found label image.
 ///
@@ -58,4 +58,4 @@ OverlapScore overlapScore(const RegionOverlap& overlap);
 /// @brief F1 = 2 correct / (true + found); 1 if there is nothing to find and nothing was found.
 double f1(const RegionOverlap& overlap, const SegcompScore& score);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

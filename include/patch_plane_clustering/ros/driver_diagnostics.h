@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <string>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief What the driver knows about itself; rates and ages are in wall time, for the clock may stand.
 struct DriverHealth {
@@ -36,4 +36,4 @@ class DriverDiagnostics {
   DriverHealth last_;
 };
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Parameters of the driver nodelet; names as on the parameter server unless told.
 struct DriverOptions {
@@ -28,4 +28,4 @@ struct DriverOptions {
 /// @brief Reads every parameter of the driver. Bad values are in reader.errors().
 DriverOptions readDriverOptions(ParameterReader& reader);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -9,7 +9,7 @@
 #include <memory>
 #include <string>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief The driver's pose source: joint or tf, on a base that stands or moves, as its options say. Not thread-safe.
 class LaserPoses : public PoseSource {
@@ -47,4 +47,4 @@ class LaserPoses : public PoseSource {
 /// @brief "lever_arm [x, y, z] m, mount_rpy [r, p, y] rad", as the parameters are given.
 std::string describeMount(const Eigen::Isometry3d& mount);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -1,13 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// The generated messages live in the package's namespace and two of them are named as core types are. Here, and only here,
-// their C++ names get a suffix; their ROS names stay what they are. Include this instead of the generated headers.
-#define RangeImage RangeImageMsg
-#define PlanarPolygon PlanarPolygonMsg
 #include <patch_plane_clustering/PlanarPolygon.h>
 #include <patch_plane_clustering/PlanarPolygonArray.h>
 #include <patch_plane_clustering/RangeImage.h>
 #include <patch_plane_clustering/SegmentationStatistics.h>
-#undef RangeImage
-#undef PlanarPolygon
+
+namespace ppc {
+
+// Generated messages live in namespace patch_plane_clustering; two of them are named as core types are.
+using RangeImageMsg = patch_plane_clustering::RangeImage;
+using RangeImageMsgPtr = patch_plane_clustering::RangeImagePtr;
+using RangeImageMsgConstPtr = patch_plane_clustering::RangeImageConstPtr;
+using PlanarPolygonMsg = patch_plane_clustering::PlanarPolygon;
+using patch_plane_clustering::PlanarPolygonArray;
+using patch_plane_clustering::PlanarPolygonArrayConstPtr;
+using patch_plane_clustering::PlanarPolygonArrayPtr;
+using patch_plane_clustering::SegmentationStatistics;
+using patch_plane_clustering::SegmentationStatisticsConstPtr;
+using patch_plane_clustering::SegmentationStatisticsPtr;
+
+}  // namespace ppc

@@ -6,7 +6,7 @@
 
 #include <optional>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Finds how the laser sits on the tilting frame, from tf2: the transform base <- laser with the joint's tilt
 /// removed.
@@ -31,4 +31,4 @@ class MountFinder {
   bool contradicted_ = false;
 };
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -8,7 +8,7 @@
 #include <thread>
 #include <utility>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Works on items in a thread of its own, one at a time. Its queue holds one item: a newer one takes the place of one
 /// that still waits, so that what comes out is never older than need be, however fast items come in. Thread-safe.
@@ -65,4 +65,4 @@ class NewestWorker {
   std::thread thread_;  // last: it uses all of the above
 };
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Reads the parameters of one namespace by name, checks their types and ranges, and keeps account of what is wrong.
 ///
@@ -51,4 +51,4 @@ class ParameterReader {
 /// @brief The segmentation's configuration: every field of configFields() by its name, defaults and ranges as there.
 Config readConfig(ParameterReader& reader);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -10,7 +10,7 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <std_msgs/Header.h>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief ros::Time of a stamp in seconds; zero for one that ros::Time cannot hold.
 ros::Time toTime(double stamp);
@@ -36,4 +36,4 @@ ScanLine toScanLine(const sensor_msgs::LaserScan& scan, double time_offset = 0.0
 /// @brief What contradicts itself in a scan beyond faultOf(): angle_max, which a line does not carry. Empty if nothing does.
 std::string faultOf(const sensor_msgs::LaserScan& scan);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

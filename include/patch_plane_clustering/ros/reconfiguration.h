@@ -4,7 +4,9 @@
 #include "patch_plane_clustering/PatchPlaneClusteringConfig.h"
 #include "patch_plane_clustering/core/config.h"
 
-namespace patch_plane_clustering {
+namespace ppc {
+
+using patch_plane_clustering::PatchPlaneClusteringConfig;
 
 /// @brief The configuration in the form of dynamic_reconfigure (config/PatchPlaneClustering.cfg).
 PatchPlaneClusteringConfig toReconfigurable(const Config& config);
@@ -13,4 +15,4 @@ PatchPlaneClusteringConfig toReconfigurable(const Config& config);
 /// range.
 Config fromReconfigurable(const PatchPlaneClusteringConfig& update, const Config& base);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief A colour, 8 bits a channel.
 struct RegionColor {
@@ -14,4 +14,4 @@ struct RegionColor {
 /// (none).
 RegionColor regionColor(std::int32_t id);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -9,7 +9,7 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <std_msgs/Header.h>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Beams of an organised cloud, sensor at the frame's origin. Fields x, y and z may be float32 or float64, in any
 /// order, with any padding; what is not finite is no measurement.
@@ -29,4 +29,4 @@ sensor_msgs::PointCloud2 toSegmentedCloud(const BeamGrid& grid, const LabelImage
 /// @brief Counts and stage times. The method's name, the total time and the nodelet's counters are left to the caller.
 SegmentationStatistics toStatistics(const Segmentation& segmentation, const std_msgs::Header& header);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -9,7 +9,7 @@
 #include <tf2_msgs/TFMessage.h>
 #include <string>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Names that a simulated scanner goes by.
 struct SimulatedNames {
@@ -30,4 +30,4 @@ sensor_msgs::JointState toJointState(const sim::JointSample& sample, const ros::
 tf2_msgs::TFMessage toTransforms(const sim::Scanner& scanner, const sim::JointSample& sample, const ros::Time& start,
                                  const SimulatedNames& names = {});
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

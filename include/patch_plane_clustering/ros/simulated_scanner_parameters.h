@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Private parameters of the SimulatedScanner nodelet.
 struct SimulatedScannerParameters {
@@ -30,4 +30,4 @@ struct SimulatedScannerParameters {
 /// @brief Reads and checks them; what is wrong is in the reader's errors(), with the default in its place.
 SimulatedScannerParameters readSimulatedScannerParameters(ParameterReader& reader);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

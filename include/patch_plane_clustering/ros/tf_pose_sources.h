@@ -5,7 +5,7 @@
 
 #include <optional>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Pose of the laser from tf2 alone: the transform is taken as it is, and the tilt, by which rows are sorted, is its
 /// rotation about the axis: absolute if the laser's mount leaves that defined, else counted from the first pose.
@@ -37,4 +37,4 @@ class MovingBaseSource : public PoseSource {
 /// @brief Angle of the twist of `rotation` about the unit vector `axis`, in (-pi, pi] [rad].
 double twistAngle(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& axis);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -7,7 +7,7 @@
 #include <deque>
 #include <string>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief One transform over time, as tf2 knows it, but never across a hole in its samples.
 ///
@@ -38,4 +38,4 @@ class TransformTrack {
   std::deque<Gap> gaps_;
 };
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 
 /// @brief What a real scanner does wrong. Every source is switched on its own; 0 or false is off.
 struct ErrorModel {
@@ -55,4 +55,4 @@ void checkErrors(const ErrorModel& errors);
 constexpr std::array<double, 5> kNoiseFilter{0.6940409473739492, 0.46546904779610515, 0.410177209176417, 0.3356192310498757,
                                              0.1440837177955727};
 
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

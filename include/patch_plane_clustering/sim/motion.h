@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <string>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 
 /// @brief How the motor moves the laser.
 struct Motion {
@@ -32,4 +32,4 @@ Eigen::Vector3d axisFromName(const std::string& name);
 /// @brief "nodding" or "spinning". @throws std::invalid_argument naming the two.
 Motion::Kind motionFromName(const std::string& name);
 
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

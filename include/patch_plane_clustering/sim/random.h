@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <random>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 
 /// @brief Random numbers that are the same with every standard library.
 ///
@@ -54,4 +54,4 @@ class Random {
   bool has_spare_ = false;
 };
 
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

@@ -5,7 +5,7 @@
 
 #include <map>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 
 /// @brief What the hardware says at one moment: a joint sample, or else a line that has just been completed.
 struct ScanEvent {
@@ -40,4 +40,4 @@ class ScanStream {
   std::map<int, ScanLine> kept_;
 };
 
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

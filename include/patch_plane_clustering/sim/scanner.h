@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 
 /// @brief Everything about the scanner but the scene. The laser's pose in the tilt base is R_axis(tilt) * mount.
 struct ScannerOptions {
@@ -95,4 +95,4 @@ class Scanner {
 Sweep simulateSweep(const std::string& scene, const std::string& sensor, const ErrorModel& errors, std::uint64_t seed,
                     int lines = 300);
 
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

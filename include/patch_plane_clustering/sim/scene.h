@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 
 /// @brief What a ray hits first.
 struct Hit {
@@ -75,4 +75,4 @@ const std::vector<std::string>& sceneNames();
 /// @throws std::invalid_argument listing the known names.
 Scene makeScene(const std::string& name, std::uint64_t seed);
 
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 
 /// @brief A 2D laser as its data sheet describes it.
 struct Sensor {
@@ -30,4 +30,4 @@ const std::vector<std::string>& sensorNames();
 /// @brief @throws std::invalid_argument listing the known names.
 Sensor makeSensor(const std::string& name);
 
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

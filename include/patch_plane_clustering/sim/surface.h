@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace patch_plane_clustering::sim {
+namespace ppc::sim {
 
 /// Closed ring of vertices in a face's own plane [m]; not repeated at the end.
 using Ring = std::vector<Eigen::Vector2d>;
@@ -58,4 +58,4 @@ double intersect(const Surface& surface, const Eigen::Vector3d& origin, const Ei
 /// @brief Bounding box in the frame of the scene, with room for the bow.
 Eigen::AlignedBox3d boundingBox(const Surface& surface);
 
-}  // namespace patch_plane_clustering::sim
+}  // namespace ppc::sim

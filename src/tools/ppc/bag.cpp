@@ -17,7 +17,7 @@
 #include <iostream>
 #include <memory>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 struct Options {
@@ -111,4 +111,4 @@ void addBag(CLI::App& app) {
   command->callback([options] { run(*options); });
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -16,7 +16,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 SweepMotion motionNamed(const std::string& name) {
@@ -142,4 +142,4 @@ void showProgress(double share) {
                "                                        ", percent, percent == 100 ? "\n" : "");
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -14,7 +14,7 @@ namespace CLI {
 class App;
 }
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief How to make range images of the lines in a bag. What is left empty is found in the bag itself.
 struct BagOptions {
@@ -53,4 +53,4 @@ LineAccounts readSweeps(const std::string& path, const BagOptions& options,
 /// @brief Draws a bar on stderr if that is a terminal.
 void showProgress(double share);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

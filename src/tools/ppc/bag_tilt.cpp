@@ -13,7 +13,7 @@
 #include <set>
 #include <stdexcept>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 struct StampedPose {
@@ -195,4 +195,4 @@ BagTilt findTilt(const rosbag::Bag& bag, const BagOptions& options) {
   return tilt;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief What a first look at a bag finds out about the motor and how the laser sits on it.
 struct BagTilt {
@@ -27,4 +27,4 @@ struct BagTilt {
 /// @brief Finds it. @throws std::runtime_error with the cause (without the file's name).
 BagTilt findTilt(const rosbag::Bag& bag, const BagOptions& options);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -12,7 +12,7 @@
 #include <fstream>
 #include <sstream>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 [[noreturn]] void fail(const std::string& path, const std::string& cause) { throw std::runtime_error(path + ": " + cause); }
@@ -108,4 +108,4 @@ BeamGrid readCloud(const std::string& path) {
   return beamGridFromPoints(static_cast<int>(cloud.height), static_cast<int>(cloud.width), x, y, z);
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

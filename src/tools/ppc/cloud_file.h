@@ -5,7 +5,7 @@
 
 #include <string>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Reads an organised PCD (ascii, binary or compressed; height > 1; metres; sensor at the origin; a point with a
 /// non-finite coordinate, or at the origin, is no measurement).
@@ -13,4 +13,4 @@ namespace patch_plane_clustering {
 /// unorganised, without x, y, z.
 BeamGrid readCloud(const std::string& path);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

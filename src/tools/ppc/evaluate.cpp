@@ -14,7 +14,7 @@
 #include <iostream>
 #include <memory>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -208,4 +208,4 @@ void addEvaluate(CLI::App& app) {
   command->callback([options] { run(*options); });
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

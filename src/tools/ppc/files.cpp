@@ -10,7 +10,7 @@
 #include <fstream>
 #include <stdexcept>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 namespace fs = std::filesystem;
 
@@ -82,4 +82,4 @@ std::string numbered(const std::string& path, int index, bool several) {
   return (p.parent_path() / (p.stem().string() + suffix + p.extension().string())).string();
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

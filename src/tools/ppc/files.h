@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Throws std::runtime_error "FILE: cause" unless `path` is a readable, regular, non-empty file.
 void requireReadableFile(const std::string& path);
@@ -28,4 +28,4 @@ void writeImage(const std::string& path, const cv::Mat& image);
 /// @brief OUT.png of image 3 of several -> OUT-0003.png; of a single image, or an empty path: unchanged.
 std::string numbered(const std::string& path, int index, bool several);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

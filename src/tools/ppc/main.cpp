@@ -10,10 +10,10 @@
 int main(int argc, char** argv) {
   CLI::App app{"Planar polygons from organised range images", "ppc"};
   app.require_subcommand(1);
-  patch_plane_clustering::addSegment(app);
-  patch_plane_clustering::addBag(app);
-  patch_plane_clustering::addSimulate(app);
-  patch_plane_clustering::addEvaluate(app);
+  ppc::addSegment(app);
+  ppc::addBag(app);
+  ppc::addSimulate(app);
+  ppc::addEvaluate(app);
   try {
     app.parse(argc, argv);  // runs the subcommand
   } catch (const CLI::ParseError& error) {

@@ -8,7 +8,7 @@
 
 #include <stdexcept>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 void readYaml(const std::string& path, Config& config) {
@@ -51,4 +51,4 @@ Config MethodOptions::config() const {
   return config;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief The options --method, --config and --set, which every subcommand that segments has.
 struct MethodOptions {
@@ -21,4 +21,4 @@ struct MethodOptions {
   Config config() const;
 };
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 constexpr int kWide = 1200;  // a panel is enlarged or reduced to about this many pixels on its longer side [pixels]
@@ -132,4 +132,4 @@ cv::Mat drawSegmentation(const BeamGrid& grid, const Segmentation& result) {
   return picture;
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -14,7 +14,7 @@
 #include <sstream>
 #include <stdexcept>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -178,4 +178,4 @@ std::string meshPly(const Segmentation& result) {
   return out.str();
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

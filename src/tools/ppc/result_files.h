@@ -9,7 +9,7 @@
 
 #include <string>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// @brief Where and when an image was taken, as it is written beside its polygons.
 struct ImageSource {
@@ -37,4 +37,4 @@ nlohmann::ordered_json statisticsJson(const BeamGrid& grid, const Segmentation& 
 /// @brief The polygons as coloured triangles, ascii PLY.
 std::string meshPly(const Segmentation& result);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -15,7 +15,7 @@
 #include <iostream>
 #include <memory>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 struct SegmentOptions {
@@ -95,4 +95,4 @@ void addSegment(CLI::App& app) {
   command->callback([options] { run(*options); });
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

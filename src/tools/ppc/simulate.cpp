@@ -15,7 +15,7 @@
 #include <memory>
 #include <opencv2/core.hpp>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 constexpr int kPieceGap = 2;  // [pixels]
@@ -140,4 +140,4 @@ void addSimulate(CLI::App& app) {
   sub->callback([o] { run(*o); });
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -6,7 +6,7 @@
 
 #include <rosbag/bag.h>
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 void writeSimulatedBag(const sim::Scanner& scanner, int passes, const std::string& path) {
   const ros::Time start(1000.0);
@@ -30,4 +30,4 @@ void writeSimulatedBag(const sim::Scanner& scanner, int passes, const std::strin
   bag.close();
 }
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc

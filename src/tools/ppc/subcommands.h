@@ -5,7 +5,7 @@ namespace CLI {
 class App;
 }
 
-namespace patch_plane_clustering {
+namespace ppc {
 
 /// Each adds one subcommand to the application. A subcommand throws std::exception with one line for the user when its input
 /// or output fails; main() prints it and exits with status 1.
@@ -14,4 +14,4 @@ void addBag(CLI::App& app);
 void addSimulate(CLI::App& app);
 void addEvaluate(CLI::App& app);
 
-}  // namespace patch_plane_clustering
+}  // namespace ppc
