@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/region_merging.h"
+
+#include "patch_plane_clustering/core/clustering.h"
+
+#include "analytic_scenes.h"
+
+#include <gtest/gtest.h>
+
+namespace patch_plane_clustering {
+namespace {
+
+using namespace testing_tools;
+
+const CoplanarityTolerance kTolerance{0.005, 0.005, 1.0};
+const NoiseModel kNoise(SensorModel{0.01, 0.01, 10.0, 0.0}, 1.0);
+
+struct Scene {
+  BeamGrid grid;
+  LabelImage labels;
+  PatchGrid cells;
+  CellShares shares;
+
+  // Labels as measured, or, given `cut`, 1 left and 2 right of that column.
+  explicit Scene(const std::vector<Surface>& surfaces, int cut = -1) : grid(forwardBeams(60, 80, 0.005)) {
+    labels = scan(surfaces, grid);
+    addNoise(grid, 0.01);
+    if (cut >= 0) {
+      for (int i = 0; i < grid.size(); ++i) labels.labels[i] = i % grid.cols < cut ? 1 : 2;
+    }
+    cells = makePatchGrid(grid, 4, true);
+    weighPatches(kNoise, cells);
+    shares = shareCells(grid, cells, kNoise, labels);
+  }
+
+  void merge() { mergeLabels(cells, kNoise, kTolerance, 0.1, shares, labels); }
+};
+
+const auto kLeft = [](const Eigen::Vector3d& p) { return p.y() > 0.0; };
+const Surface kWall = wall({-1.0, 0.0, 0.0}, -3.0);
+
+TEST(ShareCells, SumsWhatEachLabelHasInACell) {
+  const Scene scene({kWall}, 42);  // cuts through the strip of columns 40..43
+  const int cell = scene.cells.patchAt(10, 42);
+  const int begin = scene.shares.begin[cell];
+  ASSERT_EQ(scene.shares.begin[cell + 1] - begin, 2);
+  const Patch& patch = scene.cells.patches[cell];
+  EXPECT_EQ(scene.shares.shares[begin].label, 1);
+  EXPECT_EQ(scene.shares.shares[begin].moments.n, 2 * (patch.row_end - patch.row_begin));
+  const Moments both = scene.shares.shares[begin].moments + scene.shares.shares[begin + 1].moments;
+  EXPECT_EQ(both.n, patch.moments.n);
+  EXPECT_NEAR(both.w, patch.moments.w, 1e-3 * patch.moments.w);
+  EXPECT_NEAR(both.xx, patch.moments.xx, 1e-3 * patch.moments.xx);
+}
+
+TEST(ShareCells, AUniformCellHasOneShareAndAnUnlabelledOneNone) {
+  Scene scene({kWall}, 40);
+  for (int r = 0; r < 30; ++r) {
+    for (int c = 0; c < 20; ++c) scene.labels.labels[scene.grid.index(r, c)] = 0;
+  }
+  const CellShares shares = shareCells(scene.grid, scene.cells, kNoise, scene.labels);
+  const int none = scene.cells.patchAt(3, 3), one = scene.cells.patchAt(50, 60);
+  EXPECT_EQ(shares.begin[none + 1] - shares.begin[none], 0);
+  ASSERT_EQ(shares.begin[one + 1] - shares.begin[one], 1);
+  EXPECT_EQ(shares.shares[shares.begin[one]].label, 2);
+  EXPECT_EQ(shares.shares[shares.begin[one]].moments.w, scene.cells.patches[one].moments.w);
+  EXPECT_EQ(shares.begin.size(), scene.cells.patches.size() + 1);
+}
+
+TEST(LabelPlanes, AreTheLeastSquaresPlanes) {
+  const Scene scene({surfaceOf({{-Eigen::Vector3d::UnitX(), -2.0}, kLeft}), kWall});
+  const auto planes = labelPlanes(scene.shares);
+  ASSERT_EQ(planes.size(), 3U);
+  EXPECT_NEAR(1.0 / planes[1].norm(), 2.0, 0.002);
+  EXPECT_NEAR(1.0 / planes[2].norm(), 3.0, 0.002);
+  EXPECT_NEAR(planes[1].normalized().x(), 1.0, 1e-4);
+}
+
+TEST(MergeLabels, JoinsTheHalvesOfAWall) {
+  Scene scene({kWall}, 42);
+  scene.merge();
+  EXPECT_EQ(countOf(scene.labels, scene.labels.labels[0]), scene.grid.size());
+  int points = 0;
+  for (const auto& share : scene.shares.shares) {
+    EXPECT_EQ(share.label, scene.labels.labels[0]);
+    points += share.moments.n;
+  }
+  EXPECT_EQ(points, scene.grid.size());
+  EXPECT_EQ(scene.shares.shares.size(), scene.cells.patches.size());  // the shares of the cells that were cut are added up
+}
+
+TEST(MergeLabels, KeepsAStepAndACrease) {
+  for (const auto& surfaces : std::vector<std::vector<Surface>>{
+           {surfaceOf({{-Eigen::Vector3d::UnitX(), -2.95}, kLeft}), kWall},
+           {surfaceOf({{Eigen::Vector3d(-1.0, 0.3, 0.0).normalized(), -3.0 / std::sqrt(1.09)}, kLeft}), kWall}}) {
+    Scene scene(surfaces);
+    const std::vector<std::int32_t> before = scene.labels.labels;
+    scene.merge();
+    EXPECT_EQ(scene.labels.labels, before);
+  }
+}
+
+TEST(MergeLabels, KeepsPiecesApartThatDoNotTouch) {
+  Scene scene({kWall}, 40);
+  for (int i = 0; i < scene.grid.size(); ++i) {
+    if (std::abs(i % scene.grid.cols - 40) < 12) scene.labels.labels[i] = 0;
+  }
+  scene.shares = shareCells(scene.grid, scene.cells, kNoise, scene.labels);
+  scene.merge();
+  EXPECT_EQ(scene.labels.labels.front(), 1);
+  EXPECT_EQ(scene.labels.labels.back(), 2);
+}
+
+}  // namespace
+}  // namespace patch_plane_clustering
