@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/curvature.h"
+
+#include "analytic_scenes.h"
+
+#include <gtest/gtest.h>
+
+namespace patch_plane_clustering {
+namespace {
+
+using namespace testing_tools;
+
+const CoplanarityTolerance kTolerance{0.005, 0.005, 1.0};
+const NoiseModel kNoise(SensorModel{0.01, 0.01, 10.0, 0.0}, 1.0);
+constexpr double kMaxTurn = 0.35;
+
+struct Scene {
+  BeamGrid grid;
+  LabelImage labels;
+
+  explicit Scene(const std::vector<Surface>& surfaces, double noise = 0.01) : grid(forwardBeams(100, 200, 0.005)) {
+    labels = scan(surfaces, grid);
+    addNoise(grid, noise);
+  }
+
+  // Labels of a column of radius 1 at x = 4 by the angle around it, in strips of `width` rad; 0 beyond `half` rad.
+  void stripsOfColumn(double width, double half) {
+    for (int i = 0; i < grid.size(); ++i) {
+      if (labels.labels[i] == 0) continue;
+      const double angle = std::asin(std::clamp(double{grid.point(i).y()}, -1.0, 1.0));
+      labels.labels[i] = std::abs(angle) < half ? 1 + static_cast<int>(std::floor((angle + half) / width)) : 0;
+    }
+  }
+
+  void drop(double max_turn = kMaxTurn) { dropCurvedRegions(grid, kNoise, kTolerance, max_turn, labels); }
+};
+
+// A wall 3 m ahead whose middle bulges towards the sensor by `bow` over 3 m, parabola in y.
+Surface bowedWall(double bow) {
+  return [bow](const Eigen::Vector3d&, const Eigen::Vector3d& u) {
+    double t = 3.0 / u.x();
+    for (int k = 0; k < 5; ++k) t = (3.0 - bow * (1.0 - std::pow(t * u.y() / 1.5, 2))) / u.x();
+    return t;
+  };
+}
+
+TEST(MeasureBends, APlaneHasNone) {
+  const Scene scene({wall({-1.0, 0.2, 0.1}, -3.0)});
+  const auto bends = measureBends(scene.grid, scene.labels, kNoise);
+  ASSERT_EQ(bends.size(), 2U);
+  EXPECT_LT(bends[1].turn, 0.02);
+  EXPECT_LT(bends[1].amplitude, 0.001);
+}
+
+// White noise on a plane: the quadratic terms take their 3 degrees of freedom out of chi-square.
+TEST(MeasureBends, TheExcessOfAPlaneIsChiSquareDistributed) {
+  double mean = 0.0;
+  for (int seed = 1; seed <= 100; ++seed) {
+    BeamGrid grid = forwardBeams(30, 40, 0.005);  // few enough points that all of them are samples
+    const LabelImage labels = scan({wall({-1.0, 0.0, 0.0}, -3.0)}, grid);
+    addNoise(grid, 0.01, 0.0, 0.0, seed);
+    mean += measureBends(grid, labels, kNoise)[1].excess / 100.0;
+  }
+  EXPECT_NEAR(mean, 3.0, 1.0);  // four standard deviations
+}
+
+TEST(MeasureBends, TheTurnOfAStripOfAColumnIsItsAngle) {
+  for (const double angle : {0.3, 0.6, 0.9}) {
+    Scene scene({column(4.0, 0.0, 1.0)}, 0.0);
+    scene.stripsOfColumn(angle, 0.5 * angle);
+    const auto bends = measureBends(scene.grid, scene.labels, kNoise);
+    ASSERT_EQ(bends.size(), 2U);
+    EXPECT_NEAR(bends[1].turn, angle, 0.12 * angle);
+    // Of a parabola of height h = w^2 / 8 R over its width, less its mean: h * 2 / (3 sqrt 5).
+    const double height = 1.0 - std::cos(0.5 * angle);
+    EXPECT_NEAR(bends[1].amplitude, height * 2.0 / (3.0 * std::sqrt(5.0)), 0.15 * height);
+    EXPECT_GT(bends[1].excess, 0.0);
+  }
+}
+
+TEST(DropCurvedRegions, ClearsAPieceOfAColumn) {
+  Scene scene({column(4.0, 0.0, 1.0), wall({-1.0, 0.0, 0.0}, -8.0)});
+  for (std::int32_t& label : scene.labels.labels) label = label == 1 ? 1 : 2;
+  const int behind = countOf(scene.labels, 2);
+  scene.drop();
+  EXPECT_EQ(countOf(scene.labels, 1), 0);
+  EXPECT_EQ(countOf(scene.labels, 2), behind);
+}
+
+TEST(DropCurvedRegions, ClearsStripsOfAFan) {
+  Scene scene({column(4.0, 0.0, 1.0)}, 0.002);
+  scene.stripsOfColumn(0.3, 0.6);  // each turns by less than the limit
+  ASSERT_GT(countOf(scene.labels, 4), 100);
+  scene.drop();
+  EXPECT_EQ(countOf(scene.labels, 0), scene.grid.size());
+}
+
+TEST(DropCurvedRegions, KeepsPlanesThatMeetAtACrease) {
+  for (const double half : {0.2, 0.5, 1.0}) {  // creases of 23, 53 and 90 deg
+    Scene scene({wall({-1.0, half, 0.0}, -3.0), wall({-1.0, -half, 0.0}, -3.0)});
+    const std::vector<std::int32_t> before = scene.labels.labels;
+    scene.drop();
+    EXPECT_EQ(scene.labels.labels, before) << half;
+  }
+}
+
+TEST(DropCurvedRegions, KeepsABowedWall) {
+  Scene scene({bowedWall(0.02)});
+  scene.drop();
+  EXPECT_EQ(countOf(scene.labels, 1), scene.grid.size());
+}
+
+TEST(DropCurvedRegions, AWideLimitKeepsEverything) {
+  Scene scene({column(4.0, 0.0, 1.0)});
+  const int points = countOf(scene.labels, 1);
+  ASSERT_GT(points, 1000);
+  scene.drop(10.0);
+  EXPECT_EQ(countOf(scene.labels, 1), points);
+}
+
+TEST(DropCurvedRegions, EmptyLabelsStayEmpty) {
+  Scene scene({});
+  scene.drop();
+  EXPECT_EQ(countOf(scene.labels, 0), scene.grid.size());
+  EXPECT_EQ(measureBends(scene.grid, scene.labels, kNoise).size(), 1U);
+}
+
+}  // namespace
+}  // namespace patch_plane_clustering

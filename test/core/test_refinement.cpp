@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/refinement.h"
+
+#include "analytic_scenes.h"
+
+#include <gtest/gtest.h>
+
+namespace patch_plane_clustering {
+namespace {
+
+using namespace testing_tools;
+
+const CoplanarityTolerance kTolerance{0.005, 0.005, 1.0};
+const NoiseModel kNoise(SensorModel{0.01, 0.01, 10.0, 0.0}, 1.0);
+
+PatchGrid weighedCells(const BeamGrid& grid) {
+  PatchGrid cells = makePatchGrid(grid, 4, true);
+  weighPatches(kNoise, cells);
+  return cells;
+}
+
+LabelImage refine(const BeamGrid& grid, const LabelImage& labels, std::int32_t first_open = 1) {
+  const PatchGrid cells = weighedCells(grid);
+  const CellShares shares = shareCells(grid, cells, kNoise, labels);
+  return refineLabels(grid, cells, shares, labels, labelPlanes(shares), kNoise, kTolerance, first_open);
+}
+
+// Two walls that meet at right angles straight ahead, 3 m away; and the labels of whole patches only.
+struct Corner {
+  BeamGrid grid = forwardBeams(60, 82, 0.005);
+  LabelImage truth, coarse;
+
+  Corner() {
+    truth = scan({wall({-1.0, 1.0, 0.0}, -3.0 / std::sqrt(2.0)), wall({-1.0, -1.0, 0.0}, -3.0 / std::sqrt(2.0))}, grid);
+    addNoise(grid, 0.01);
+    coarse = truth;
+    for (int r = 0; r < grid.rows; ++r) {
+      for (int c = 36; c < 44; ++c) coarse.labels[grid.index(r, c)] = 0;
+    }
+  }
+};
+
+TEST(PatchLabels, PaintTheValidPixelsOfClusteredPatches) {
+  BeamGrid grid = forwardBeams(8, 8, 0.01);
+  scan({wall({-1.0, 0.0, 0.0}, -2.0)}, grid);
+  grid.range[grid.index(0, 1)] = kNoRange;
+  const PatchGrid patches = makePatchGrid(grid, 4, false);
+  PatchClusters clusters;
+  clusters.cluster_of = {0, -1, 1, 0};  // strip by strip
+  const LabelImage labels = patchLabels(grid, patches, clusters);
+  EXPECT_EQ(labels.labels[grid.index(0, 0)], 1);
+  EXPECT_EQ(labels.labels[grid.index(0, 1)], 0);
+  EXPECT_EQ(labels.labels[grid.index(7, 0)], 0);
+  EXPECT_EQ(labels.labels[grid.index(0, 7)], 2);
+  EXPECT_EQ(labels.labels[grid.index(7, 7)], 1);
+  EXPECT_EQ(countOf(labels, 1), 31);
+}
+
+TEST(RefineLabels, AssignsTheOpenPixelsAlongACrease) {
+  const Corner corner;
+  const LabelImage refined = refine(corner.grid, corner.coarse);
+  int wrong = 0, open = 0;
+  for (int i = 0; i < corner.grid.size(); ++i) {
+    open += refined.labels[i] == 0 ? 1 : 0;
+    wrong += refined.labels[i] != 0 && refined.labels[i] != corner.truth.labels[i] ? 1 : 0;
+  }
+  EXPECT_LT(open, 0.01 * corner.grid.size());
+  EXPECT_LT(wrong, corner.grid.rows);  // less than a pixel a row
+}
+
+TEST(RefineLabels, IsExactWithoutNoise) {
+  Corner corner;
+  scan({wall({-1.0, 1.0, 0.0}, -3.0 / std::sqrt(2.0)), wall({-1.0, -1.0, 0.0}, -3.0 / std::sqrt(2.0))}, corner.grid);
+  const LabelImage refined = refine(corner.grid, corner.coarse);
+  for (int r = 0; r < corner.grid.rows; ++r) {
+    for (int c = 0; c < corner.grid.cols; ++c) {
+      const int i = corner.grid.index(r, c);
+      if (std::abs(c - 40.5) > 4.0) {  // there the walls are 3 standard deviations of the noise apart
+        EXPECT_EQ(refined.labels[i], corner.truth.labels[i]) << r << ", " << c;
+      }
+    }
+  }
+}
+
+TEST(RefineLabels, LeavesOutPointsThatNoPlaneExplains) {
+  Corner corner;
+  const int inside = corner.grid.index(30, 10), edge = corner.grid.index(30, 38);
+  corner.grid.range[inside] += 0.2F;
+  corner.grid.range[edge] += 0.2F;
+  corner.grid.range[corner.grid.index(20, 10)] = kNoRange;
+  LabelImage labels = corner.coarse;
+  labels.labels[corner.grid.index(20, 10)] = 0;
+  const LabelImage refined = refine(corner.grid, labels);
+  EXPECT_EQ(refined.labels[inside], 0);
+  EXPECT_EQ(refined.labels[edge], 0);
+  EXPECT_EQ(refined.labels[corner.grid.index(20, 10)], 0);
+  EXPECT_EQ(refined.labels[corner.grid.index(30, 12)], corner.truth.labels[corner.grid.index(30, 12)]);
+}
+
+TEST(RefineLabels, KeepsLabelsBelowTheFirstOpenOne) {
+  const Corner corner;
+  LabelImage labels = corner.truth;
+  const int pixel = corner.grid.index(30, 60);
+  const std::int32_t other = 3 - labels.labels[pixel];
+  labels.labels[pixel] = other;
+  EXPECT_EQ(refine(corner.grid, labels, 3).labels, labels.labels);
+  EXPECT_NE(refine(corner.grid, labels, 1).labels[pixel], other);
+}
+
+LabelImage picture(int rows, int cols, std::vector<std::int32_t> labels) { return {rows, cols, std::move(labels)}; }
+
+TEST(SplitComponents, PartsPieces) {
+  LabelImage labels = picture(3, 7, {5, 5, 0, 0, 0, 5, 5,  //
+                                     5, 0, 0, 0, 0, 0, 5,  //
+                                     0, 2, 2, 0, 0, 0, 5});
+  splitComponents(0, 0, labels);
+  EXPECT_EQ(labels.labels, (std::vector<std::int32_t>{1, 1, 0, 0, 0, 2, 2,  //
+                                                      1, 0, 0, 0, 0, 0, 2,  //
+                                                      0, 3, 3, 0, 0, 0, 2}));
+}
+
+TEST(SplitComponents, BridgesGapsUpToTheGivenWidth) {
+  const std::vector<std::int32_t> row{4, 0, 0, 4, 0, 0, 0, 4};
+  LabelImage labels = picture(1, 8, row);
+  splitComponents(0, 2, labels);
+  EXPECT_EQ(labels.labels, (std::vector<std::int32_t>{1, 0, 0, 1, 0, 0, 0, 2}));
+  labels = picture(8, 1, row);
+  splitComponents(2, 0, labels);
+  EXPECT_EQ(labels.labels, (std::vector<std::int32_t>{1, 0, 0, 1, 0, 0, 0, 2}));
+}
+
+TEST(SplitComponents, JoinsBranchesThatMeetBelow) {
+  LabelImage labels = picture(3, 5,
+                              {1, 0, 1, 0, 1,  //
+                               1, 0, 1, 0, 1,  //
+                               1, 1, 1, 1, 1});
+  const std::vector<std::int32_t> before = labels.labels;
+  splitComponents(0, 0, labels);
+  EXPECT_EQ(labels.labels, before);
+}
+
+}  // namespace
+}  // namespace patch_plane_clustering
