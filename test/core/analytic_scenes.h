@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace patch_plane_clustering::testing_tools {
+namespace ppc::testing_tools {
 
 constexpr double kDegree = M_PI / 180.0;
 constexpr double kNoHit = std::numeric_limits<double>::infinity();
@@ -136,4 +136,4 @@ inline int countOf(const LabelImage& labels, std::int32_t label) {
   return count;
 }
 
-}  // namespace patch_plane_clustering::testing_tools
+}  // namespace ppc::testing_tools

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using namespace testing_tools;
@@ -133,4 +133,4 @@ TEST(GrowClusters, AHigherThresholdMakesMoreClusters) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using namespace testing_tools;
@@ -126,4 +126,4 @@ TEST(DropCurvedRegions, EmptyLabelsStayEmpty) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/QR>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using testing_tools::Normal;
@@ -154,4 +154,4 @@ TEST(FitPlane, PointsThatDetermineNoPlaneGiveFiniteFits) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using namespace testing_tools;
@@ -71,4 +71,4 @@ TEST(NoiseModel, EstimateWithoutPointsIsTheDataSheet) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <set>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using namespace testing_tools;
@@ -150,4 +150,4 @@ TEST(PatchGrid, AnImageWithoutPointsHasEmptyPatches) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

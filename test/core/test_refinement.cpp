@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using namespace testing_tools;
@@ -140,4 +140,4 @@ TEST(SplitComponents, JoinsBranchesThatMeetBelow) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 using namespace testing_tools;
@@ -112,4 +112,4 @@ TEST(MergeLabels, KeepsPiecesApartThatDoNotTouch) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc

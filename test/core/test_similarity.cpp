@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace patch_plane_clustering {
+namespace ppc {
 namespace {
 
 TEST(Similarity, IsOneWithoutExcess) {
@@ -62,4 +62,4 @@ TEST(SecantSquared, FollowsTheAngleOfIncidenceWithinLimits) {
 }
 
 }  // namespace
-}  // namespace patch_plane_clustering
+}  // namespace ppc
