@@ -74,9 +74,10 @@ void linkNeighbours(PatchGrid& grid) {
   for (int strip = 0; strip < grid.strips(); ++strip) {
     for (int index = grid.strip_begin[strip]; index < grid.strip_begin[strip + 1]; ++index) {
       grid.neighbour_begin.push_back(static_cast<int>(grid.neighbours.size()));
+      const Patch& patch = grid.patches[index];
+      if (patch.moments.n == 0) continue;  // nothing is ever asked from there
       if (index > grid.strip_begin[strip]) grid.neighbours.push_back(index - 1);
       if (index + 1 < grid.strip_begin[strip + 1]) grid.neighbours.push_back(index + 1);
-      const Patch& patch = grid.patches[index];
       for (const int side : {strip - 1, strip + 1}) {
         if (side < 0 || side >= grid.strips()) continue;
         const int first = grid.strip_begin[side] + patch.row_begin / grid.strip_rows[side];

@@ -132,17 +132,30 @@ void refineAlongBeams(const BeamSums& s, PlanarRegion& region) {
   region.covariance = variance * jacobian * solver.solve(Eigen::Matrix3d::Identity()) * jacobian.transpose();
 }
 
+// Calls f(label, begin, end) for every stretch of pixels of one label above 0, in scan order.
+template <typename F>
+void forEachRun(const LabelImage& labels, F&& f) {
+  const int n = static_cast<int>(labels.labels.size());
+  for (int begin = 0, end = 0; begin < n; begin = end) {
+    const std::int32_t label = labels.labels[begin];
+    while (end < n && labels.labels[end] == label) ++end;
+    if (label > 0) f(label, begin, end);
+  }
+}
+
 }  // namespace
 
 std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage& labels) {
   std::int32_t highest = 0;
   for (const std::int32_t label : labels.labels) highest = std::max(highest, label);
   std::vector<PointSums> sums(static_cast<std::size_t>(highest) + 1);
-  for (int i = 0; i < grid.size(); ++i) {
-    const std::int32_t label = labels.labels[i];
-    if (label <= 0 || !grid.valid(i)) continue;
-    sums[label].add(grid.point(i), grid.direction(i));
-  }
+  forEachRun(labels, [&](std::int32_t label, int begin, int end) {
+    PointSums run = sums[label];  // a local copy stays in registers
+    for (int i = begin; i < end; ++i) {
+      if (grid.valid(i)) run.add(grid.point(i), grid.direction(i));
+    }
+    sums[label] = run;
+  });
   std::vector<PlanarRegion> regions;
   for (std::int32_t id = 1; id <= highest; ++id) {
     if (sums[id].n >= 3) regions.push_back(describe(id, sums[id]));
@@ -156,11 +169,15 @@ std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage
     beams[k].tangent1 = regions[k].plane.normal.unitOrthogonal();
     beams[k].tangent2 = regions[k].plane.normal.cross(beams[k].tangent1);
   }
-  for (int i = 0; i < grid.size(); ++i) {
-    const std::int32_t label = labels.labels[i];
-    if (label <= 0 || index[label] < 0 || !grid.valid(i)) continue;
-    addBeam(grid, i, regions[index[label]], beams[index[label]]);
-  }
+  forEachRun(labels, [&](std::int32_t label, int begin, int end) {
+    if (index[label] < 0) return;
+    const PlanarRegion& region = regions[index[label]];
+    BeamSums run = beams[index[label]];
+    for (int i = begin; i < end; ++i) {
+      if (grid.valid(i)) addBeam(grid, i, region, run);
+    }
+    beams[index[label]] = run;
+  });
   for (std::size_t k = 0; k < regions.size(); ++k) refineAlongBeams(beams[k], regions[k]);
   return regions;
 }
