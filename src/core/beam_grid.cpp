@@ -20,8 +20,8 @@ void resize(BeamGrid& grid, int rows, int cols, bool with_origins) {
   for (auto* v : {&grid.origin_x, &grid.origin_y, &grid.origin_z}) v->assign(with_origins ? n : 0, 0.0F);
 }
 
-// Fills the directions of invalid pixels of one row: linear between the valid neighbours, continued beyond the outermost ones
-// with the step between the two nearest valid beams. Returns false if the row has no valid pixel.
+// Fills the directions of invalid pixels of one row: linear between the valid neighbours, continued beyond the outermost
+// ones with the step between the two nearest valid beams. Returns false if the row has no valid pixel.
 bool fillRow(BeamGrid& grid, int row) {
   int previous = -1;
   const auto set = [&](int col, const Eigen::Vector3f& d) {
@@ -88,7 +88,9 @@ BeamGrid toBeamGrid(const RangeImage& image) {
       const int k = std::min(static_cast<int>(at), std::max(0, knots - 2));
       const int next = std::min(k + 1, knots - 1);
       const double t = at - k;
-      const auto lerp = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) -> Eigen::Vector3d { return a + t * (b - a); };
+      const auto lerp = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) -> Eigen::Vector3d {
+        return a + t * (b - a);
+      };
       const Eigen::Vector3d x = lerp(poses[k].linear().col(0), poses[next].linear().col(0));
       const Eigen::Vector3d y = lerp(poses[k].linear().col(1), poses[next].linear().col(1));
       const Eigen::Vector3d u = (x * cosines[c] + y * sines[c]).normalized();
@@ -116,7 +118,8 @@ BeamGrid beamGridFromPoints(int rows, int cols, const std::vector<float>& x, con
   }
   const auto n = static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols);
   if (x.size() != n || y.size() != n || z.size() != n) {
-    throw std::invalid_argument("cloud has " + std::to_string(x.size()) + " points, expected rows x cols = " + std::to_string(n));
+    throw std::invalid_argument("cloud has " + std::to_string(x.size()) +
+                                " points, expected rows x cols = " + std::to_string(n));
   }
   BeamGrid grid;
   const bool shifted = !viewpoint.isZero();

@@ -11,7 +11,6 @@ namespace {
 
 constexpr int kMinPatchPoints = 6;
 
-
 // Root mean square distance of the points from their mean [m].
 double radius(const Moments& m) {
   const Eigen::Vector3d mean = m.mean();

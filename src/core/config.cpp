@@ -13,10 +13,10 @@ namespace {
 
 using Type = ConfigField::Type;
 
-#define PPC_FIELD(name, type, min, max, member, description)                                   \
-  ConfigField {                                                                                \
+#define PPC_FIELD(name, type, min, max, member, description)                                          \
+  ConfigField {                                                                                       \
     name, type, min, max, description, [](const Config& c) { return static_cast<double>(c.member); }, \
-        [](Config& c, double v) { c.member = static_cast<decltype(c.member)>(v); }             \
+        [](Config& c, double v) { c.member = static_cast<decltype(c.member)>(v); }                    \
   }
 
 std::vector<ConfigField> makeFields() {
@@ -75,8 +75,8 @@ void setConfigField(Config& config, const std::string& name, double value) {
   const bool whole = field.type == Type::kDouble || value == std::round(value);
   if (!whole || !(field.min <= value && value <= field.max)) {
     std::ostringstream message;
-    message << "parameter '" << name << "' = " << value << " is not " << (whole ? "" : "a whole number ") << "in [" << field.min
-            << ", " << field.max << "]";
+    message << "parameter '" << name << "' = " << value << " is not " << (whole ? "" : "a whole number ") << "in ["
+            << field.min << ", " << field.max << "]";
     throw std::invalid_argument(message.str());
   }
   field.set(config, value);

@@ -13,13 +13,13 @@ namespace ppc {
 namespace {
 
 constexpr int kMaxSamples = 1500;
-constexpr double kSignificance = 25.0;   // far beyond chi-square with 3 degrees of freedom
-constexpr double kMinAmplitude = 0.5;    // of a bend, in tolerances of distance
-constexpr double kFanAngle = 0.7;        // smallest angle between two strips of a fan, in max_turn
-constexpr int kFanSizes = 6;              // largest ratio of their sizes
-constexpr double kFanRatio = 0.15;       // misfit of one quadratic surface over that of one plane, for two strips of a fan
-constexpr double kFanMisfit = 0.1;       // the same misfit per point, in units of the noise variance
-constexpr double kEdgeTolerance = 3.0;   // of a bent edge of a plane, in tolerances of distance
+constexpr double kSignificance = 25.0;  // far beyond chi-square with 3 degrees of freedom
+constexpr double kMinAmplitude = 0.5;   // of a bend, in tolerances of distance
+constexpr double kFanAngle = 0.7;       // smallest angle between two strips of a fan, in max_turn
+constexpr int kFanSizes = 6;            // largest ratio of their sizes
+constexpr double kFanRatio = 0.15;      // misfit of one quadratic surface over that of one plane, for two strips of a fan
+constexpr double kFanMisfit = 0.1;      // the same misfit per point, in units of the noise variance
+constexpr double kEdgeTolerance = 3.0;  // of a bent edge of a plane, in tolerances of distance
 constexpr double kUniformWidth = 3.46;  // width of a uniform distribution over its standard deviation
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -74,7 +74,7 @@ SampledRegion sampleRegion(const BeamGrid& grid, std::int32_t id, int points, in
 // Least-squares plane and quadratic surface z(s, t) of samples over a given tangent frame.
 struct QuadraticFit {
   double plane_chi2 = 0.0, quadratic_chi2 = 0.0;
-  double weight = 0.0;       // sum of 1 / sigma^2 [1/m^2]
+  double weight = 0.0;  // sum of 1 / sigma^2 [1/m^2]
   double points = 0.0;
   Eigen::Matrix2d hessian = Eigen::Matrix2d::Zero();  // [1/m]
   Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();  // [m^2]
@@ -207,7 +207,8 @@ std::vector<SampledRegion> sampleRegions(const BeamGrid& grid, const LabelImage&
   std::vector<int> seen(count.size(), 0);
   for (int i = 0; i < grid.size(); ++i) {
     const std::int32_t label = labels.labels[i];
-    if (label > 0 && seen[label]++ % std::max(1, count[label] / kMaxSamples) == 0 && grid.valid(i)) pixels[label].push_back(i);
+    if (label > 0 && seen[label]++ % std::max(1, count[label] / kMaxSamples) == 0 && grid.valid(i))
+      pixels[label].push_back(i);
   }
   std::vector<SampledRegion> regions(count.size());
   for (std::size_t label = 1; label < count.size(); ++label) {

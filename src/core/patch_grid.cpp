@@ -17,9 +17,7 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
-double angleBetween(const BeamGrid& grid, int a, int b) {
-  return (grid.direction(a) - grid.direction(b)).norm();
-}
+double angleBetween(const BeamGrid& grid, int a, int b) { return (grid.direction(a) - grid.direction(b)).norm(); }
 
 // Median angle between horizontal neighbours, over a sample of the image.
 double columnStep(const BeamGrid& grid) {

@@ -12,8 +12,8 @@ constexpr float kCap = 9.0F;              // squared residual beyond which a poi
 constexpr float kMaxWindowCost = 5.0F;    // mean capped cost over the window that a plane may have
 constexpr float kMaxOwnResidual = 12.0F;  // squared residual of the point itself
 
-// Squared residuals of the pixels of a cell against one plane, in units of their variance. The tolerance's share of the variance
-// changes little over a cell: it is taken at one pixel.
+// Squared residuals of the pixels of a cell against one plane, in units of their variance. The tolerance's share of the
+// variance changes little over a cell: it is taken at one pixel.
 class CellResiduals {
  public:
   CellResiduals(const BeamGrid& grid, const Eigen::Vector3f& center, const NoiseModel& noise, float floor, int pixel,

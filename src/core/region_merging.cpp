@@ -11,16 +11,14 @@ namespace ppc {
 namespace {
 
 constexpr double kWholeTolerance = 2.0;  // tolerance over a whole region over that from patch to patch
-constexpr double kStepTolerance = 1.0;  // tolerance of a step along a border, likewise
+constexpr double kStepTolerance = 1.0;   // tolerance of a step along a border, likewise
 constexpr double kMaxRadius = 0.5;       // of a region, for the tolerance of its angle [m]
 constexpr int kBorderSteps = 2;          // depth of a border in cells
 constexpr int kMinBorderPoints = 6;
 
 using Pair = std::pair<std::int32_t, std::int32_t>;
 
-double radius(const Moments& m) {
-  return std::sqrt(std::max(0.0, (m.xx + m.yy + m.zz) / m.w - m.mean().squaredNorm()));
-}
+double radius(const Moments& m) { return std::sqrt(std::max(0.0, (m.xx + m.yy + m.zz) / m.w - m.mean().squaredNorm())); }
 
 double wholeSimilarity(const Moments& a, const Moments& b, const PlaneFit& joint, const NoiseModel& noise,
                        const CoplanarityTolerance& tolerance) {

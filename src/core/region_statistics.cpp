@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kMinCosine = 0.02;  // of incidence: the residual along a beam says nothing about a plane seen edge-on
 
-// Sums of the points of a label about its first point, so that they keep their digits far from the sensor. Plain numbers: this
-// runs once a pixel.
+// Sums of the points of a label about its first point, so that they keep their digits far from the sensor. Plain numbers:
+// this runs once a pixel.
 struct PointSums {
   double ox = 0, oy = 0, oz = 0;
   double ux = 0, uy = 0, uz = 0;

@@ -12,14 +12,15 @@ namespace ppc {
 /// @brief What every segmenter works on: an organised grid of beams, in structure-of-arrays layout.
 ///
 /// Made from a RangeImage (toBeamGrid), whose geometry gives each beam's direction and origin exactly, or from an organised
-/// cloud (beamGridFromPoints), whose directions come from its valid points. Every pixel has a finite unit direction, also where
-/// the range is invalid. Coordinates are metres in the frame of the image.
+/// cloud (beamGridFromPoints), whose directions come from its valid points. Every pixel has a finite unit direction, also
+/// where the range is invalid. Coordinates are metres in the frame of the image.
 struct BeamGrid {
   int rows = 0;
   int cols = 0;
   std::vector<float> dir_x, dir_y, dir_z;  ///< rows x cols: unit direction of the beam
   std::vector<float> range;                ///< rows x cols: distance along the beam [m]; NaN where there is no measurement
-  std::vector<float> origin_x, origin_y, origin_z;  ///< rows x cols: start of the beam [m]; all three empty: the frame's origin
+  std::vector<float> origin_x, origin_y,
+      origin_z;              ///< rows x cols: start of the beam [m]; all three empty: the frame's origin
   bool beams_exact = false;  ///< directions come from the scan geometry, not from the (noisy) points
 
   int index(int row, int col) const { return row * cols + col; }
@@ -37,7 +38,8 @@ struct BeamGrid {
 BeamGrid toBeamGrid(const RangeImage& image);
 
 /// @brief Beams of an organised cloud with the sensor at `viewpoint`.
-/// @param x,y,z rows x cols coordinates, row-major [m]; any non-finite coordinate makes the pixel invalid, and so does a point
+/// @param x,y,z rows x cols coordinates, row-major [m]; any non-finite coordinate makes the pixel invalid, and so does a
+/// point
 ///        on the viewpoint itself. Directions of invalid pixels are interpolated from valid ones.
 /// @throws std::invalid_argument if the sizes disagree or a side is not positive.
 BeamGrid beamGridFromPoints(int rows, int cols, const std::vector<float>& x, const std::vector<float>& y,

@@ -28,12 +28,12 @@ void weighPatches(const NoiseModel& noise, PatchGrid& grid);
 /// @brief Marks the patches that are flat within the noise and the tolerance, and fits their planes.
 void gatePatches(const NoiseModel& noise, const CoplanarityTolerance& tolerance, PatchGrid& grid);
 
-/// @brief How much more the planes of neighbouring patches differ than white noise explains: noise that is correlated along a
-/// line, or shared by a whole line, does not average out within a patch. From a low quantile over all pairs. At least 1.
+/// @brief How much more the planes of neighbouring patches differ than white noise explains: noise that is correlated along
+/// a line, or shared by a whole line, does not average out within a patch. From a low quantile over all pairs. At least 1.
 double estimateInflation(const PatchGrid& grid);
 
-/// @brief Breadth-first clustering: from the flattest patch on, neighbours join a cluster while they are similar to its running
-/// plane; the plane is refitted at each.
+/// @brief Breadth-first clustering: from the flattest patch on, neighbours join a cluster while they are similar to its
+/// running plane; the plane is refitted at each.
 PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
                            double threshold);
 

@@ -12,8 +12,8 @@ namespace ppc {
 
 /// @brief How a region bends: the quadratic surface z = c0 + c1 s + c2 t + c3 s^2 + c4 s t + c5 t^2 over its own plane.
 struct Bend {
-  double turn = 0.0;    ///< angle between the normals at its two ends, along the direction of strongest curvature [rad]
-  double excess = 0.0;  ///< chi-square of the plane less that of the quadratic surface (3 degrees of freedom)
+  double turn = 0.0;       ///< angle between the normals at its two ends, along the direction of strongest curvature [rad]
+  double excess = 0.0;     ///< chi-square of the plane less that of the quadratic surface (3 degrees of freedom)
   double amplitude = 0.0;  ///< root mean square of the quadratic part [m]
 };
 
@@ -24,8 +24,8 @@ std::vector<Bend> measureBends(const BeamGrid& grid, const LabelImage& labels, c
 ///
 /// A region is curved if its normal turns by more than `max_turn` from end to end *and* the bend is beyond noise and
 /// tolerance. The turn tells a cylinder (a strip as thick as the noise still turns by tenths of a radian) from a real wall,
-/// which may bow by a centimetre over several metres. Touching regions that meet at an angle are strips of one curved surface
-/// if one quadratic surface serves both; at the crease of two planes it does not.
+/// which may bow by a centimetre over several metres. Touching regions that meet at an angle are strips of one curved
+/// surface if one quadratic surface serves both; at the crease of two planes it does not.
 void dropCurvedRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double max_turn,
                        LabelImage& labels);
 

@@ -9,10 +9,10 @@ namespace ppc {
 
 /// @brief Weighted moments of points seen from a sensor near the origin, for plane fits whose residuals run along the beams.
 ///
-/// A plane n . p = d is written a . p = 1 with a = n / d. In inverse range it is linear, 1/r = a . (p/r) (Badino et al. 2011),
-/// so with the variance of 1/r, sigma^2 / r^4, least squares minimises  sum w (1 - a . p)^2,  w = (r / sigma)^2.
-/// Its minimum is chi-square distributed with n - 3 degrees of freedom for white range noise. Moments of regions add.
-/// Planes through the origin cannot be represented; the origin must be the (mean) sensor position.
+/// A plane n . p = d is written a . p = 1 with a = n / d. In inverse range it is linear, 1/r = a . (p/r) (Badino et al.
+/// 2011), so with the variance of 1/r, sigma^2 / r^4, least squares minimises  sum w (1 - a . p)^2,  w = (r / sigma)^2. Its
+/// minimum is chi-square distributed with n - 3 degrees of freedom for white range noise. Moments of regions add. Planes
+/// through the origin cannot be represented; the origin must be the (mean) sensor position.
 struct Moments {
   double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;  ///< sum w p p^T
   double x = 0, y = 0, z = 0;                             ///< sum w p
@@ -69,8 +69,8 @@ struct PlaneFit {
   Eigen::Vector3d a = Eigen::Vector3d::Zero();  ///< [1/m]; normal towards the sensor is -a / |a|
   double chi2 = 0.0;
 
-  double distance() const { return 1.0 / a.norm(); }                         ///< of the plane from the sensor [m]
-  Eigen::Vector3d normal() const { return -a.normalized(); }                 ///< towards the sensor
+  double distance() const { return 1.0 / a.norm(); }          ///< of the plane from the sensor [m]
+  Eigen::Vector3d normal() const { return -a.normalized(); }  ///< towards the sensor
 };
 
 /// @brief Solves the 3 x 3 normal equations by Cholesky's method. Directions that the points do not determine (a line, one

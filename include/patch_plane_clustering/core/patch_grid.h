@@ -22,17 +22,17 @@ struct Patch {
 
 /// @brief Mutually exclusive patches that cover the image: strips of k columns, each cut into blocks of rows.
 ///
-/// The blocks of a strip are as high as its columns are wide *in angle* (times `aspect`), whatever the ratio of tilt and beam
-/// steps. So patches have about equal solid angle also towards the pole of a nodding scan, where the lines crowd together.
-/// Incomplete patches at the right and bottom edges are kept.
+/// The blocks of a strip are as high as its columns are wide *in angle* (times `aspect`), whatever the ratio of tilt and
+/// beam steps. So patches have about equal solid angle also towards the pole of a nodding scan, where the lines crowd
+/// together. Incomplete patches at the right and bottom edges are kept.
 struct PatchGrid {
-  int rows = 0, cols = 0;          ///< of the image
-  int strip_cols = 0;              ///< k
-  std::vector<int> strip_rows;     ///< rows of a patch in each strip
-  std::vector<int> strip_begin;    ///< index of each strip's first patch, and one past the last
-  std::vector<Patch> patches;      ///< strip by strip, in ascending rows
+  int rows = 0, cols = 0;            ///< of the image
+  int strip_cols = 0;                ///< k
+  std::vector<int> strip_rows;       ///< rows of a patch in each strip
+  std::vector<int> strip_begin;      ///< index of each strip's first patch, and one past the last
+  std::vector<Patch> patches;        ///< strip by strip, in ascending rows
   std::vector<int> neighbour_begin;  ///< index into `neighbours` of each patch's first one, and one past the last
-  std::vector<int> neighbours;     ///< patches that share an edge, patch by patch
+  std::vector<int> neighbours;       ///< patches that share an edge, patch by patch
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< mean sensor position: origin of all moments [m]
 
   int strips() const { return static_cast<int>(strip_rows.size()); }

@@ -8,9 +8,9 @@
 
 namespace ppc {
 
-/// @brief Plane, centroid, covariance, point count and rms of every region of a label image, whichever method made the labels.
-/// The plane minimises the residuals along the beams, as range noise runs there (total least squares where a region is seen
-/// edge-on). The covariance takes the residuals' own variance, and points as independent.
+/// @brief Plane, centroid, covariance, point count and rms of every region of a label image, whichever method made the
+/// labels. The plane minimises the residuals along the beams, as range noise runs there (total least squares where a region
+/// is seen edge-on). The covariance takes the residuals' own variance, and points as independent.
 /// @param labels values 1..N, 0 = none; same size as the grid.
 /// @return one region for each id 1..max that has at least 3 points; in ascending id.
 std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage& labels);

@@ -20,17 +20,17 @@ struct LabelImage {
 
 /// @brief One planar region of a label image.
 struct PlanarRegion {
-  std::int32_t id = 0;          ///< its value in the label image, 1..N
-  Plane plane;                  ///< least-squares plane of the region's points
-  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();      ///< mean of the points [m]
-  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();    ///< of (nx, ny, nz, d); rank 3, since |n| = 1
-  int points = 0;               ///< number of pixels with this label
-  double rms = 0.0;             ///< root mean square distance of the points from the plane [m]
+  std::int32_t id = 0;                                   ///< its value in the label image, 1..N
+  Plane plane;                                           ///< least-squares plane of the region's points
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();    ///< mean of the points [m]
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();  ///< of (nx, ny, nz, d); rank 3, since |n| = 1
+  int points = 0;                                        ///< number of pixels with this label
+  double rms = 0.0;                                      ///< root mean square distance of the points from the plane [m]
 };
 
-/// @brief A piece of a plane, bounded by simple rings. Rings are not repeated at the end; the outer one runs counter-clockwise
-/// and the holes clockwise as seen from the sensor; all vertices lie on the plane. A region that no single ring can bound has
-/// several polygons of the same id.
+/// @brief A piece of a plane, bounded by simple rings. Rings are not repeated at the end; the outer one runs
+/// counter-clockwise and the holes clockwise as seen from the sensor; all vertices lie on the plane. A region that no single
+/// ring can bound has several polygons of the same id.
 struct PlanarPolygon {
   std::int32_t id = 0;                              ///< id of the region
   std::vector<Eigen::Vector3d> outer;               ///< [m]

@@ -16,6 +16,7 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vecto
 Segmentation segment(const BeamGrid& grid, const Config& config);
 
 /// @brief The steps that every method shares once it has labels: small regions dropped, ids by size, planes, polygons.
-Segmentation finishSegmentation(const BeamGrid& grid, LabelImage labels, const Config& config, std::vector<StageTime> stages);
+Segmentation finishSegmentation(const BeamGrid& grid, LabelImage labels, const Config& config,
+                                std::vector<StageTime> stages);
 
 }  // namespace ppc

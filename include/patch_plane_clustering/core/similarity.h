@@ -21,20 +21,22 @@ struct CoplanarityTolerance {
 /// conditions, each weighed with its covariance, is what the joint fit costs over the two single fits,
 ///     dE = chi2(a + b) - chi2(a) - chi2(b),
 /// a squared Mahalanobis distance with 3 degrees of freedom. The similarity is
-///     S = exp(-1/2 dE / (3 inflation + n tau^2 / sigma^2)),   tau^2 = (sigma_distance^2 + (sigma_angle L)^2) / cos^2(incidence),
+///     S = exp(-1/2 dE / (3 inflation + n tau^2 / sigma^2)),   tau^2 = (sigma_distance^2 + (sigma_angle L)^2) /
+///     cos^2(incidence),
 /// with n, L and sigma the points, radius and noise of the smaller piece: noise averages out over n points, whereas tau, the
 /// user's tolerance, does not. This is our own reading of the Gaussian of Kaushik & Xiao (2012); with one point per
 /// piece or a large tau it becomes exp(-1/2 (distance / tau)^2).
 /// @param excess dE. @param precision n / sigma^2 of the smaller piece [1/m^2]. @param radius L [m].
 /// @param sec2 1 / cos^2 of the angle of incidence there: tolerances are across the surface, ranges along the beam.
-inline double similarity(double excess, double precision, double radius, double sec2, const CoplanarityTolerance& tolerance) {
+inline double similarity(double excess, double precision, double radius, double sec2,
+                         const CoplanarityTolerance& tolerance) {
   const double turned = tolerance.sigma_angle * radius;
   const double tau2 = (tolerance.sigma_distance * tolerance.sigma_distance + turned * turned) * sec2;
   return std::exp(-0.5 * std::max(0.0, excess) / (3.0 * tolerance.inflation + precision * tau2));
 }
 
-/// @brief 1 / cos^2 of the angle between the beam to a point at `range` [m] on the plane a . p = 1 and its normal, limited so
-/// that a grazing surface does not become similar to everything.
+/// @brief 1 / cos^2 of the angle between the beam to a point at `range` [m] on the plane a . p = 1 and its normal, limited
+/// so that a grazing surface does not become similar to everything.
 inline double secantSquared(const Eigen::Vector3d& a, double range) {
   return std::clamp(a.squaredNorm() * range * range, 1.0, 30.0);
 }
