@@ -15,6 +15,9 @@ namespace {
 constexpr int kMaxSamples = 1500;
 constexpr double kSignificance = 25.0;  // far beyond chi-square with 3 degrees of freedom
 constexpr double kMinAmplitude = 0.5;   // of a bend, in tolerances of distance
+constexpr int kStripSizes = 2;          // largest size of such a strip over its neighbour's
+constexpr double kWeakTurn = 0.4;       // of a strip beside a curved one, in max_turn
+constexpr double kWeakAmplitude = 0.2;  // likewise, in tolerances of distance
 constexpr double kFanAngle = 0.7;       // smallest angle between two strips of a fan, in max_turn
 constexpr int kFanSizes = 6;            // largest ratio of their sizes
 constexpr double kFanRatio = 0.15;      // misfit of one quadratic surface over that of one plane, for two strips of a fan
@@ -232,16 +235,24 @@ std::vector<Bend> measureBends(const BeamGrid& grid, const LabelImage& labels, c
 void dropCurvedRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double max_turn,
                        LabelImage& labels) {
   const std::vector<SampledRegion> regions = sampleRegions(grid, labels, noise);
-  std::vector<bool> curved(regions.size(), false);
+  std::vector<bool> curved(regions.size(), false), weak(regions.size(), false);
   for (std::size_t label = 1; label < regions.size(); ++label) {
     const Bend bend = bendOf(fitQuadratic(regions[label].plane.normal, {&regions[label].samples}));
-    curved[label] = bend.turn > max_turn && bend.amplitude > kMinAmplitude * tolerance.sigma_distance &&
-                    bend.excess > kSignificance * tolerance.inflation;
+    weak[label] = bend.turn > kWeakTurn * max_turn && bend.amplitude > kWeakAmplitude * tolerance.sigma_distance &&
+                  bend.excess > kSignificance * tolerance.inflation;
+    curved[label] = weak[label] && bend.turn > max_turn && bend.amplitude > kMinAmplitude * tolerance.sigma_distance;
   }
   const std::vector<bool> alone = curved;
   const auto touching = touchingLabels(labels, 2);
   for (const auto& [a, b] : touching) {
     if (!(alone[a] && alone[b]) && isFan(regions[a], regions[b], tolerance, max_turn)) curved[a] = curved[b] = true;
+  }
+  // A strip that bends less, but beside a curved one of about its size, is more of the same surface.
+  const std::vector<bool> certain = curved;
+  for (const auto& [a, b] : touching) {
+    if (certain[a] == certain[b]) continue;
+    const std::int32_t strip = certain[a] ? b : a, beside = certain[a] ? a : b;
+    if (weak[strip] && regions[strip].points < kStripSizes * regions[beside].points) curved[strip] = true;
   }
   // A bent strip along a larger plane that it hardly leaves is the soft edge of that plane.
   std::vector<std::int32_t> renamed(regions.size());

@@ -58,7 +58,9 @@ TEST(Simulation, PolygonsOfEverySweepLieOnTheFacesOfTheBox) {
   // Nodding up and nodding down see the same box.
   for (std::size_t i = 1; i < area_of_face.size(); ++i) {
     for (const auto& [face, area] : area_of_face[0]) {
-      if (area > 0.5) EXPECT_NEAR(area_of_face[i][face], area, 0.05 * area) << "face " << face << ", sweep " << i;
+      if (area > 0.5) {
+        EXPECT_NEAR(area_of_face[i][face], area, 0.05 * area) << "face " << face << ", sweep " << i;
+      }
     }
   }
   for (const auto& [stamp, numbers] : statistics) {
