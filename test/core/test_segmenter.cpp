@@ -125,15 +125,17 @@ TEST(Segmenter, SeesAWallThroughAWindow) {
 }
 
 TEST(Segmenter, AColumnIsNoPlane) {
-  for (const double noise : {0.005, 0.01}) {
-    BeamGrid grid = forwardBeams(120, 160, kStep);
-    const LabelImage truth = scan({column(1.3, 0.0, 0.3)}, grid);
-    addNoise(grid, noise);
-    ASSERT_GT(countOf(truth, 1), 5000);
-    const Segmentation result = segmented(grid);
-    EXPECT_TRUE(result.regions.empty()) << noise;
-    EXPECT_TRUE(result.polygons.empty()) << noise;
-    EXPECT_EQ(result.valid_points, countOf(truth, 1));
+  for (const double noise : {0.0, 0.001, 0.003, 0.005, 0.01}) {
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      BeamGrid grid = forwardBeams(120, 160, kStep);
+      const LabelImage truth = scan({column(1.3, 0.0, 0.3)}, grid);
+      if (noise > 0.0) addNoise(grid, noise, 0.0, 0.0, seed);
+      ASSERT_GT(countOf(truth, 1), 5000);
+      const Segmentation result = segmented(grid);
+      EXPECT_TRUE(result.regions.empty()) << "noise " << noise << ", seed " << seed;
+      EXPECT_TRUE(result.polygons.empty()) << "noise " << noise << ", seed " << seed;
+      EXPECT_EQ(result.valid_points, countOf(truth, 1));
+    }
   }
 }
 
