@@ -161,10 +161,16 @@ std::set<std::pair<std::int32_t, std::int32_t>> touchingLabels(const LabelImage&
       const std::size_t i = static_cast<std::size_t>(r) * labels.cols + c;
       const std::int32_t label = labels.labels[i];
       if (label == 0) continue;
-      for (int g = 1; g <= gap + 1; ++g) {
-        if (c + g < labels.cols && labels.labels[i + g] != label) meet(label, labels.labels[i + g]);
-        if (r + g < labels.rows && labels.labels[i + static_cast<std::size_t>(g) * labels.cols] != label) {
-          meet(label, labels.labels[i + static_cast<std::size_t>(g) * labels.cols]);
+      // Where the next pixel has the same label, it finds what lies beyond.
+      if (c + 1 < labels.cols && labels.labels[i + 1] != label) {
+        for (int g = 1; g <= gap + 1 && c + g < labels.cols; ++g) {
+          if (labels.labels[i + g] != label) meet(label, labels.labels[i + g]);
+        }
+      }
+      const auto down = static_cast<std::size_t>(labels.cols);
+      if (r + 1 < labels.rows && labels.labels[i + down] != label) {
+        for (int g = 1; g <= gap + 1 && r + g < labels.rows; ++g) {
+          if (labels.labels[i + g * down] != label) meet(label, labels.labels[i + g * down]);
         }
       }
     }

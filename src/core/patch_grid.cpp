@@ -98,6 +98,7 @@ PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, 
   const int strips = (grid.cols + patch_size - 1) / patch_size;
   const double column_step = columnStep(grid);
   out.strip_begin.push_back(0);
+  out.patches.reserve(static_cast<std::size_t>(grid.size() / (patch_size * patch_size)) + 1);
   for (int s = 0; s < strips; ++s) {
     int height = patch_size;
     if (equal_angle) {

@@ -56,16 +56,32 @@ int middlePixel(const BeamGrid& grid, const Patch& cell) {
   return middle;
 }
 
-// Patches within two steps of a patch, itself included, in ascending order.
-void neighbourhood(const PatchGrid& patches, int index, std::vector<int>& out) {
-  out.assign(1, index);
-  for (int step = 0; step < 2; ++step) {
-    const std::size_t end = out.size();
-    for (std::size_t i = 0; i < end; ++i) patches.forEachNeighbour(out[i], [&](int j) { out.push_back(j); });
-    std::sort(out.begin(), out.end());
-    out.erase(std::unique(out.begin(), out.end()), out.end());
+// Finds the patches within two steps of a patch, itself included.
+class Neighbourhood {
+ public:
+  explicit Neighbourhood(const PatchGrid& patches) : patches_(patches), reached_(patches.patches.size(), -1) {}
+
+  const std::vector<int>& around(int index) {
+    found_.clear();
+    const auto take = [&](int i) {
+      if (reached_[i] == index) return;
+      reached_[i] = index;
+      found_.push_back(i);
+    };
+    take(index);
+    std::size_t begin = 0;
+    for (int step = 0; step < 2; ++step) {
+      const std::size_t end = found_.size();
+      for (; begin < end; ++begin) patches_.forEachNeighbour(found_[begin], take);
+    }
+    return found_;
   }
-}
+
+ private:
+  const PatchGrid& patches_;
+  std::vector<int> reached_;  // the last patch from which each was reached
+  std::vector<int> found_;
+};
 
 void paint(const BeamGrid& grid, const Patch& patch, std::int32_t label, LabelImage& out) {
   for (int r = patch.row_begin; r < patch.row_end; ++r) {
@@ -192,7 +208,7 @@ LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const Cell
     if (full && shares.begin[k + 1] - shares.begin[k] == 1) whole[k] = shares.shares[shares.begin[k]].label;
     open[k] = open[k] || !full;
   }
-  std::vector<int> around;
+  Neighbourhood neighbourhood(cells);
   std::vector<std::int32_t> candidates;
   for (int k = 0; k < count; ++k) {
     const Patch& cell = cells.patches[k];
@@ -209,13 +225,14 @@ LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const Cell
       }
       continue;
     }
-    neighbourhood(cells, k, around);
     candidates.clear();
-    for (const int j : around) {
-      for (int s = shares.begin[j]; s < shares.begin[j + 1]; ++s) candidates.push_back(shares.shares[s].label);
+    for (const int j : neighbourhood.around(k)) {
+      for (int s = shares.begin[j]; s < shares.begin[j + 1]; ++s) {
+        const std::int32_t label = shares.shares[s].label;
+        if (std::find(candidates.begin(), candidates.end(), label) == candidates.end()) candidates.push_back(label);
+      }
     }
     std::sort(candidates.begin(), candidates.end());
-    candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
     resolver.resolve(cell, candidates, first_open, out);
   }
   return out;

@@ -42,11 +42,13 @@ double stepSimilarity(const Moments& a, const Moments& b, const PlaneFit& joint,
   return std::exp(-0.5 * gap * gap / (variance + step * step));
 }
 
-// Moments of both sides of every border: cells within kBorderSteps of a cell in which, or next to which, the labels meet.
-std::map<Pair, std::pair<Moments, Moments>> measureBorders(const PatchGrid& cells, const CellShares& all) {
+// Moments of both sides of every border of a fresh label: cells within kBorderSteps of a cell in which, or next to which,
+// the labels meet.
+std::map<Pair, std::pair<Moments, Moments>> measureBorders(const PatchGrid& cells, const CellShares& all,
+                                                           const std::vector<bool>& fresh) {
   std::map<Pair, std::vector<int>> meeting;
   const auto meet = [&](std::int32_t a, std::int32_t b, int i, int j) {
-    if (a == b) return;
+    if (a == b || !(fresh[a] || fresh[b])) return;
     auto& at = meeting[{std::min(a, b), std::max(a, b)}];
     at.push_back(i);
     at.push_back(j);
@@ -175,9 +177,10 @@ void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const Coplanar
   std::vector<Moments> whole = sumShares(shares);
   std::vector<std::int32_t> renamed(whole.size());
   std::iota(renamed.begin(), renamed.end(), 0);
+  std::vector<bool> fresh(whole.size(), true);  // pairs of labels that have not changed need no second look
   while (true) {
     std::vector<std::pair<double, Pair>> candidates;
-    for (const auto& [pair, border] : measureBorders(cells, shares)) {
+    for (const auto& [pair, border] : measureBorders(cells, shares, fresh)) {
       if (border.first.n < kMinBorderPoints || border.second.n < kMinBorderPoints) continue;
       const Moments& a = whole[pair.first];
       const Moments& b = whole[pair.second];
@@ -199,6 +202,7 @@ void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const Coplanar
     }
     for (std::int32_t& label : renamed) label = now[label];
     rename(now, shares);
+    fresh = changed;
   }
   for (std::int32_t& label : labels.labels) label = renamed[label];
 }
