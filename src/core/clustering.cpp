@@ -11,13 +11,6 @@ namespace {
 
 constexpr int kMinPatchPoints = 6;
 
-// Root mean square distance of the points from their mean [m].
-double radius(const Moments& m) {
-  const Eigen::Vector3d mean = m.mean();
-  const double spread = (m.xx + m.yy + m.zz) / m.w - mean.squaredNorm();
-  return std::sqrt(std::max(0.0, spread));
-}
-
 double excess(const Moments& a, const PlaneFit& fit_a, const Moments& b, const PlaneFit& fit_b) {
   return fitPlane(a + b).chi2 - fit_a.chi2 - fit_b.chi2;
 }
@@ -104,7 +97,7 @@ PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const
         const PlaneFit fit = fitPlane(joint);
         const double sigma = noise.sigma(patch.range);
         const double precision = std::min(patch.moments.n, cluster.moments.n) / (sigma * sigma);
-        const double s = similarity(fit.chi2 - cluster.fit.chi2 - patch.fit.chi2, precision, radius(patch.moments),
+        const double s = similarity(fit.chi2 - cluster.fit.chi2 - patch.fit.chi2, precision, patch.moments.radius(),
                                     secantSquared(fit.a, patch.range), tolerance);
         if (s < threshold) return;
         cluster.moments = joint;

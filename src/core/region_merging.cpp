@@ -18,8 +18,6 @@ constexpr int kMinBorderPoints = 6;
 
 using Pair = std::pair<std::int32_t, std::int32_t>;
 
-double radius(const Moments& m) { return std::sqrt(std::max(0.0, (m.xx + m.yy + m.zz) / m.w - m.mean().squaredNorm())); }
-
 double wholeSimilarity(const Moments& a, const Moments& b, const PlaneFit& joint, const NoiseModel& noise,
                        const CoplanarityTolerance& tolerance) {
   CoplanarityTolerance whole = tolerance;
@@ -28,7 +26,7 @@ double wholeSimilarity(const Moments& a, const Moments& b, const PlaneFit& joint
   const double range = small.mean().norm();
   const double sigma = noise.sigma(range);
   return similarity(joint.chi2 - fitPlane(a).chi2 - fitPlane(b).chi2, small.n / (sigma * sigma),
-                    std::min(radius(small), kMaxRadius), secantSquared(joint.a, range), whole);
+                    std::min(small.radius(), kMaxRadius), secantSquared(joint.a, range), whole);
 }
 
 double stepSimilarity(const Moments& a, const Moments& b, const PlaneFit& joint, const NoiseModel& noise,

@@ -45,6 +45,9 @@ struct Moments {
   /// Weighted mean of the points [m].
   Eigen::Vector3d mean() const { return Eigen::Vector3d(x, y, z) / std::max(w, 1e-300); }
 
+  /// Weighted root mean square distance of the points from their mean [m].
+  double radius() const { return std::sqrt(std::max(0.0, (xx + yy + zz) / w - mean().squaredNorm())); }
+
  private:
   Moments& combine(const Moments& o, double sign, int count) {
     xx += sign * o.xx;

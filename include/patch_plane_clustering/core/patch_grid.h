@@ -40,7 +40,7 @@ struct PatchGrid {
     const int strip = col / strip_cols;
     return strip_begin[strip] + row / strip_rows[strip];
   }
-  /// Calls f(i) for the patches i that share an edge with patch `index`.
+  /// Calls f(i) for the patches i that share an edge with patch `index`; a patch without points is given none.
   template <typename F>
   void forEachNeighbour(int index, F&& f) const {
     for (int k = neighbour_begin[index]; k < neighbour_begin[index + 1]; ++k) f(neighbours[k]);
