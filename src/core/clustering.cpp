@@ -15,6 +15,20 @@ double excess(const Moments& a, const PlaneFit& fit_a, const Moments& b, const P
   return fitPlane(a + b).chi2 - fit_a.chi2 - fit_b.chi2;
 }
 
+// Comparisons simpler than the default, so that what it buys can be measured.
+double plainSimilarity(const Patch& from, const Cluster& cluster, const Patch& patch, const NoiseModel& noise,
+                       const CoplanarityTolerance& tolerance, const PatchComparison& comparison) {
+  if (!comparison.noise_aware) {
+    const Eigen::Vector3d border = 0.5 * (from.moments.mean() + patch.moments.mean());
+    return fixedSimilarity(comparison.running_plane ? cluster.fit.a : from.fit.a, patch.fit.a, border, tolerance);
+  }
+  const PlaneFit joint = fitPlane(from.moments + patch.moments);
+  const double sigma = noise.sigma(patch.range);
+  const double precision = std::min(patch.moments.n, from.moments.n) / (sigma * sigma);
+  return similarity(joint.chi2 - from.fit.chi2 - patch.fit.chi2, precision, patch.moments.radius(),
+                    secantSquared(joint.a, patch.range), tolerance);
+}
+
 }  // namespace
 
 void weighPatches(const NoiseModel& noise, PatchGrid& grid) {
@@ -57,7 +71,7 @@ double estimateInflation(const PatchGrid& grid) {
 }
 
 PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                           double threshold) {
+                           double threshold, const PatchComparison& comparison) {
   const int n = static_cast<int>(grid.patches.size());
   PatchClusters out;
   out.cluster_of.assign(n, -1);
@@ -80,6 +94,7 @@ PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const
   }
   std::stable_sort(seeds.begin(), seeds.end(), [&](int a, int b) { return roughness[a] < roughness[b]; });
 
+  const bool plain = !comparison.running_plane || !comparison.noise_aware;
   std::vector<int> queue;
   for (const int seed : seeds) {
     if (out.cluster_of[seed] >= 0) continue;
@@ -90,16 +105,21 @@ PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const
     out.cluster_of[seed] = id;
     queue.assign(1, seed);
     for (std::size_t head = 0; head < queue.size(); ++head) {
+      const Patch& from = grid.patches[queue[head]];
       grid.forEachNeighbour(queue[head], [&](int j) {
         const Patch& patch = grid.patches[j];
         if (!patch.planar || out.cluster_of[j] >= 0) return;
         const Moments joint = cluster.moments + patch.moments;
         const PlaneFit fit = fitPlane(joint);
-        const double sigma = noise.sigma(patch.range);
-        const double precision = std::min(patch.moments.n, cluster.moments.n) / (sigma * sigma);
-        const double s = similarity(fit.chi2 - cluster.fit.chi2 - patch.fit.chi2, precision, patch.moments.radius(),
-                                    secantSquared(fit.a, patch.range), tolerance);
-        if (s < threshold) return;
+        if (plain) {
+          if (plainSimilarity(from, cluster, patch, noise, tolerance, comparison) < threshold) return;
+        } else {
+          const double sigma = noise.sigma(patch.range);
+          const double precision = std::min(patch.moments.n, cluster.moments.n) / (sigma * sigma);
+          const double s = similarity(fit.chi2 - cluster.fit.chi2 - patch.fit.chi2, precision, patch.moments.radius(),
+                                      secantSquared(fit.a, patch.range), tolerance);
+          if (s < threshold) return;
+        }
         cluster.moments = joint;
         cluster.fit = fit;
         out.cluster_of[j] = id;

@@ -29,13 +29,15 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+PatchComparison comparisonOf(const Config& config) { return {config.running_plane, config.noise_aware}; }
+
 // Regions too thin for any patch to fit inside: smaller patches of what the first pass left over. Returns their first label.
 std::int32_t addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
                              const Config& config, LabelImage& labels) {
-  PatchGrid patches = makePatchGrid(grid, std::max(2, (config.patch_size + 2) / 2), true, &labels);
+  PatchGrid patches = makePatchGrid(grid, std::max(2, (config.patch_size + 2) / 2), config.equal_angle, &labels);
   weighPatches(noise, patches);
   gatePatches(noise, tolerance, patches);
-  const PatchClusters clusters = growClusters(patches, noise, tolerance, config.similarity_threshold);
+  const PatchClusters clusters = growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config));
   const std::int32_t first = 1 + *std::max_element(labels.labels.begin(), labels.labels.end());
   std::int32_t next = first;
   for (const Cluster& cluster : clusters.clusters) {
@@ -61,7 +63,7 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vecto
   const auto lap = [&](const char* stage) {
     if (stages != nullptr) stages->emplace_back(stage, watch.lap());
   };
-  PatchGrid patches = makePatchGrid(grid, std::min(config.patch_size, std::max(grid.rows, grid.cols)), true);
+  PatchGrid patches = makePatchGrid(grid, std::min(config.patch_size, std::max(grid.rows, grid.cols)), config.equal_angle);
   lap("moments");
 
   const NoiseModel noise = config.noise_scale > 0.0 ? NoiseModel(config.sensor, config.noise_scale)
@@ -69,15 +71,18 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vecto
   CoplanarityTolerance tolerance{config.sigma_distance, config.sigma_angle, 1.0};
   weighPatches(noise, patches);
   gatePatches(noise, tolerance, patches);
-  tolerance.inflation = estimateInflation(patches);
+  if (config.noise_aware) tolerance.inflation = estimateInflation(patches);
   gatePatches(noise, tolerance, patches);
   lap("fits");
 
-  LabelImage labels = patchLabels(grid, patches, growClusters(patches, noise, tolerance, config.similarity_threshold));
+  LabelImage labels =
+      patchLabels(grid, patches, growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config)));
   lap("clustering");
   CellShares shares = shareCells(grid, patches, noise, labels);
-  mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels);
-  lap("merging");
+  if (config.merge) {
+    mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels);
+    lap("merging");
+  }
   if (config.refine) {
     labels = refineLabels(grid, patches, shares, labels, labelPlanes(shares), noise, tolerance);
     lap("refinement");
@@ -86,7 +91,7 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vecto
       shares = shareCells(grid, patches, noise, labels);
       labels = refineLabels(grid, patches, shares, labels, labelPlanes(shares), noise, tolerance, first_new);
       shares = shareCells(grid, patches, noise, labels);
-      mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels);
+      if (config.merge) mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels);
       lap("second pass");
     }
   }

@@ -132,5 +132,45 @@ TEST(GrowClusters, AHigherThresholdMakesMoreClusters) {
   EXPECT_LT(count(0.6), count(0.95));
 }
 
+// A polygon-like bend: six upright strips, each turned by 5 deg against the one before.
+std::vector<Surface> bend() {
+  std::vector<Surface> strips;
+  Eigen::Vector2d corner(3.0, -1.2);
+  for (int k = 0; k < 6; ++k) {
+    const double turn = 5.0 * kDegree * (k - 2.5);
+    const Eigen::Vector3d normal(-std::cos(turn), -std::sin(turn), 0.0);
+    const Eigen::Vector2d next = corner + 0.4 * Eigen::Vector2d(-std::sin(turn), std::cos(turn));
+    const double low = corner.y(), high = next.y();
+    strips.push_back(surfaceOf(
+        {{normal, normal.head<2>().dot(corner)}, [=](const Eigen::Vector3d& p) { return p.y() >= low && p.y() < high; }}));
+    corner = next;
+  }
+  return strips;
+}
+
+TEST(GrowClusters, AgainstTheNeighbourAloneItCreepsRoundABend) {
+  const PatchGrid patches = gatedPatches(bend());
+  const auto largest = [&](bool running_plane) {
+    std::size_t size = 0;
+    for (const Cluster& cluster : growClusters(patches, kNoise, kTolerance, 0.1, {running_plane, true}).clusters) {
+      size = std::max(size, cluster.patches.size());
+    }
+    return static_cast<double>(size) / planarCount(patches);
+  };
+  EXPECT_LT(largest(true), 0.5);
+  EXPECT_GT(largest(false), 0.9);
+}
+
+TEST(GrowClusters, FixedGaussiansKnowNothingOfNoise) {
+  const PatchGrid patches = gatedPatches({kWall});  // 10 mm noise on patches of 6 cm: their planes differ by degrees
+  const auto count = [&](const CoplanarityTolerance& tolerance, bool noise_aware, bool running_plane) {
+    return growClusters(patches, kNoise, tolerance, 0.1, {running_plane, noise_aware}).clusters.size();
+  };
+  const std::size_t few = count(kTolerance, true, true);
+  EXPECT_GT(count(kTolerance, false, true), 20 * few);
+  EXPECT_GT(count(kTolerance, false, false), 20 * few);
+  EXPECT_LT(count({0.05, 0.8, 1.0}, false, true), 2 * few);
+}
+
 }  // namespace
 }  // namespace ppc

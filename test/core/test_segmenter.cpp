@@ -253,6 +253,43 @@ TEST(Segmenter, ImagesOfAnyShapeAreSegmented) {
   }
 }
 
+TEST(Segmenter, EveryAdditionCanBeSwitchedOff) {
+  BeamGrid grid = toBeamGrid(noddingScan(300, 240, -30.0 * kDegree, 30.0 * kDegree, 100.0 * kDegree));
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY();
+  scan({wall(-x, -3.0), wall({-1.0, -0.1, 0.0}, -3.0), wall(-y, -2.0), wall(y, -2.2)}, grid);
+  addNoise(grid, 0.01);
+  const auto stages = [&](const Config& config) {
+    std::string names;
+    for (const StageTime& stage : segment(grid, config).stages) names += stage.first + " ";
+    return names;
+  };
+  const auto labels = [&](const char* name) {
+    Config config;
+    config.merge = config.refine = false;  // these make good for the others here
+    setConfigField(config, name, 0.0);
+    return clusterPatches(grid, config).labels;
+  };
+  const std::vector<std::int32_t> all = labels("merge");
+  for (const char* name : {"equal_angle", "running_plane", "noise_aware"}) EXPECT_NE(labels(name), all) << name;
+  Config plain;
+  EXPECT_NE(stages(plain).find("merging"), std::string::npos);
+  plain.merge = plain.refine = false;
+  EXPECT_EQ(stages(plain).find("merging"), std::string::npos);
+  EXPECT_EQ(stages(plain).find("refinement"), std::string::npos);
+}
+
+TEST(Segmenter, WithoutMergingANoisyWallIsInMorePieces) {
+  BeamGrid grid = forwardBeams(120, 160, kStep);
+  scan({wall({-1.0, 0.0, 0.0}, -3.0)}, grid);
+  addNoise(grid, 0.03);
+  Config config;
+  config.similarity_threshold = 0.7;  // so that noise alone parts the wall
+  config.refine = false;
+  const std::size_t merged = segment(grid, config).regions.size();
+  config.merge = false;
+  EXPECT_GT(segment(grid, config).regions.size(), merged);
+}
+
 TEST(Segmenter, DropsRegionsBelowTheMinimumSize) {
   const auto picture = [](const Eigen::Vector3d& p) { return std::abs(p.y()) < 0.2 && std::abs(p.z()) < 0.2; };
   BeamGrid grid = forwardBeams(120, 160, kStep);

@@ -54,6 +54,19 @@ TEST(Similarity, FallsWithExcessAndRisesWithTolerance) {
   EXPECT_GT(similarity(20.0, 5.0e5, 0.05, 1.0, {0.005, 0.02, 1.0}), s);
 }
 
+// A wall 2 m ahead against one 2.02 m ahead, and against one turned by 0.1 rad about the point where they meet.
+TEST(FixedSimilarity, IsTheGaussianOfAngleAndDistance) {
+  const CoplanarityTolerance tolerance{0.02, 0.1, 1.0};
+  const Eigen::Vector3d near(0.5, 0.0, 0.0), far(1.0 / 2.02, 0.0, 0.0), at(2.0, 0.3, 0.1);
+  EXPECT_DOUBLE_EQ(fixedSimilarity(near, near, at, tolerance), 1.0);
+  EXPECT_NEAR(fixedSimilarity(near, far, at, tolerance), std::exp(-0.5), 1e-9);
+  const Eigen::Vector3d normal(std::cos(0.1), std::sin(0.1), 0.0);
+  const Eigen::Vector3d turned = normal / normal.dot(at);
+  EXPECT_NEAR(fixedSimilarity(near, turned, at, tolerance), std::exp(-0.5), 1e-9);
+  EXPECT_DOUBLE_EQ(fixedSimilarity(near, turned, at, tolerance), fixedSimilarity(turned, near, at, tolerance));
+  EXPECT_NEAR(fixedSimilarity(far, turned, at, tolerance), std::exp(-1.0), 1e-9);
+}
+
 TEST(SecantSquared, FollowsTheAngleOfIncidenceWithinLimits) {
   EXPECT_DOUBLE_EQ(secantSquared({0.5, 0.0, 0.0}, 2.0), 1.0);    // a wall 2 m ahead, met frontally
   EXPECT_DOUBLE_EQ(secantSquared({0.5, 0.0, 0.0}, 4.0), 4.0);    // the same at 60 deg

@@ -12,7 +12,8 @@ import tempfile
 import unittest
 
 PPC = sys.argv.pop(1)
-REAL_DATA = pathlib.Path(__file__).resolve().parents[3] / "shared" / "data"
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+REAL_DATA = ROOT.parent / "shared" / "data"
 ROWS, COLS = 60, 80
 
 
@@ -132,6 +133,16 @@ class Segment(WithFolder):
         self.assertEqual(json.loads(ppc("segment", self.cloud, "--config", config).stdout)["regions"], 0)
         run = ppc("segment", self.cloud, "--config", config, "--set", "min_size=100", "--set", "noise_scale=1")
         self.assertEqual(json.loads(run.stdout)["regions"], 1)
+
+    def test_every_file_in_config_is_a_set_of_parameters(self):
+        for file in sorted((ROOT / "config").glob("*.yaml")):
+            run = ppc("segment", self.cloud, "--config", file)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertEqual(json.loads(run.stdout)["regions"], 1, file.name)
+
+    def test_the_plain_algorithm_has_none_of_the_additions(self):
+        stages = json.loads(ppc("segment", self.cloud, "--config", ROOT / "config/ppc_2012.yaml").stdout)["stages_ms"]
+        self.assertFalse({"merging", "refinement", "second pass"} & set(stages), stages)
 
     def test_bad_parameters_are_named(self):
         config = self.folder / "c.yaml"

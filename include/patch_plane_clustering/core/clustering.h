@@ -32,9 +32,15 @@ void gatePatches(const NoiseModel& noise, const CoplanarityTolerance& tolerance,
 /// a line, or shared by a whole line, does not average out within a patch. From a low quantile over all pairs. At least 1.
 double estimateInflation(const PatchGrid& grid);
 
+/// @brief With what, and by which measure, a patch is compared before it joins a cluster.
+struct PatchComparison {
+  bool running_plane = true;  ///< with the plane of the whole cluster; false: with the neighbour that it is reached from
+  bool noise_aware = true;    ///< by similarity(); false: by fixedSimilarity()
+};
+
 /// @brief Breadth-first clustering: from the flattest patch on, neighbours join a cluster while they are similar to its
 /// running plane; the plane is refitted at each.
 PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                           double threshold);
+                           double threshold, const PatchComparison& comparison = {});
 
 }  // namespace ppc

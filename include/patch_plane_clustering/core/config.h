@@ -16,6 +16,10 @@ struct Config {
   double sigma_angle = 0.005;         ///< model tolerance of the angle between coplanar patches [rad]
   double sigma_distance = 0.005;      ///< model tolerance of the distance between coplanar patches [m]
   double similarity_threshold = 0.1;  ///< patches of at least this Gaussian similarity are coplanar, 0..1
+  bool equal_angle = true;            ///< patches of about equal solid angle; false: square in pixels
+  bool running_plane = true;          ///< compare patches with the plane of the whole cluster; false: with the neighbour
+  bool noise_aware = true;            ///< add the noise to both sigmas; false: Gaussians of the sigmas alone
+  bool merge = true;                  ///< merge clusters that one plane explains
   int min_size = 350;                 ///< smallest region [points]
   bool refine = true;                 ///< assign points one by one along the borders of clusters
   bool second_pass = true;            ///< look for thin regions with smaller patches in what the first pass left over

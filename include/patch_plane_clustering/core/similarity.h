@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/moments.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -33,6 +34,16 @@ inline double similarity(double excess, double precision, double radius, double 
   const double turned = tolerance.sigma_angle * radius;
   const double tau2 = (tolerance.sigma_distance * tolerance.sigma_distance + turned * turned) * sec2;
   return std::exp(-0.5 * std::max(0.0, excess) / (3.0 * tolerance.inflation + precision * tau2));
+}
+
+/// @brief The same without any notion of noise, as in the plain algorithm: S = exp(-1/2 ((angle / sigma_angle)^2 + (distance
+/// / sigma_distance)^2)), with the angle between two planes and their distance at one point, along their normals.
+/// @param a,b the planes a . p = 1, b . p = 1. @param at the point, about where the two pieces meet [m].
+inline double fixedSimilarity(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& at,
+                              const CoplanarityTolerance& tolerance) {
+  const double angle = std::atan2(a.cross(b).norm(), a.dot(b)) / tolerance.sigma_angle;
+  const double distance = ((a.dot(at) - 1.0) / a.norm() - (b.dot(at) - 1.0) / b.norm()) / tolerance.sigma_distance;
+  return std::exp(-0.5 * (angle * angle + distance * distance));
 }
 
 /// @brief 1 / cos^2 of the angle between the beam to a point at `range` [m] on the plane a . p = 1 and its normal, limited
