@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/patch_grid.h"
 
+#include "patch_plane_clustering/core/block_moments.h"
+
 #include <cmath>
+#include <cstdint>
 
 namespace ppc {
 namespace {
@@ -51,36 +54,26 @@ Eigen::Vector3d sensorCenter(const BeamGrid& grid) {
   return sum / grid.rows;
 }
 
-void sumPatch(const BeamGrid& grid, const Eigen::Vector3d& center, const LabelImage* done, Patch& patch) {
-  double ranges = 0.0;
-  for (int r = patch.row_begin; r < patch.row_end; ++r) {
-    for (int c = patch.col_begin; c < patch.col_end; ++c) {
-      const int i = grid.index(r, c);
-      if (!grid.valid(i) || (done != nullptr && done->labels[i] > 0)) continue;
-      const Eigen::Vector3d p = grid.point(i).cast<double>() - center;
-      const double range = grid.range[i];
-      patch.moments.add(p.x(), p.y(), p.z(), range * range);
-      ranges += range;
-    }
-  }
-  if (patch.moments.n > 0) patch.range = ranges / patch.moments.n;
-}
-
 void linkNeighbours(PatchGrid& grid) {
   grid.neighbour_begin.reserve(grid.patches.size() + 1);
   grid.neighbours.reserve(6 * grid.patches.size());
+  const auto link = [&grid](int block) {
+    if (grid.patch_of_block[block] >= 0) grid.neighbours.push_back(grid.patch_of_block[block]);
+  };
   for (int strip = 0; strip < grid.strips(); ++strip) {
-    for (int index = grid.strip_begin[strip]; index < grid.strip_begin[strip + 1]; ++index) {
+    for (int block = grid.strip_begin[strip]; block < grid.strip_begin[strip + 1]; ++block) {
+      const int index = grid.patch_of_block[block];
+      if (index < 0) continue;
       grid.neighbour_begin.push_back(static_cast<int>(grid.neighbours.size()));
       const Patch& patch = grid.patches[index];
       if (patch.moments.n == 0) continue;  // nothing is ever asked from there
-      if (index > grid.strip_begin[strip]) grid.neighbours.push_back(index - 1);
-      if (index + 1 < grid.strip_begin[strip + 1]) grid.neighbours.push_back(index + 1);
+      if (block > grid.strip_begin[strip]) link(block - 1);
+      if (block + 1 < grid.strip_begin[strip + 1]) link(block + 1);
       for (const int side : {strip - 1, strip + 1}) {
         if (side < 0 || side >= grid.strips()) continue;
         const int first = grid.strip_begin[side] + patch.row_begin / grid.strip_rows[side];
         const int last = grid.strip_begin[side] + (patch.row_end - 1) / grid.strip_rows[side];
-        for (int i = first; i <= last; ++i) grid.neighbours.push_back(i);
+        for (int i = first; i <= last; ++i) link(i);
       }
     }
   }
@@ -97,8 +90,14 @@ PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, 
   out.center = sensorCenter(grid);
   const int strips = (grid.cols + patch_size - 1) / patch_size;
   const double column_step = columnStep(grid);
+  const auto sum = [&](const Patch& patch, auto&& choose) {
+    return sumBlock(grid, out.center, patch.row_begin, patch.row_end, patch.col_begin, patch.col_end, choose);
+  };
+  const auto open = [&](int i, int count) {
+    const std::int32_t* labels = done->labels.data() + i;
+    return (i + kLanes <= grid.size() ? loadLanes<LaneMask>(labels) : loadLanes<LaneMask>(labels, count)) <= LaneMask{};
+  };
   out.strip_begin.push_back(0);
-  out.patches.reserve(static_cast<std::size_t>(grid.size() / (patch_size * patch_size)) + 1);
   for (int s = 0; s < strips; ++s) {
     int height = patch_size;
     if (equal_angle) {
@@ -114,10 +113,14 @@ PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, 
       patch.row_end = std::min(r + out.strip_rows.back(), grid.rows);
       patch.col_begin = s * patch_size;
       patch.col_end = std::min(patch.col_begin + patch_size, grid.cols);
-      sumPatch(grid, out.center, done, patch);
-      out.patches.push_back(patch);
+      const BlockMoments sums = done == nullptr ? sum(patch, [](int, int) { return fillMask(-1); }) : sum(patch, open);
+      patch.moments = sums.moments;
+      patch.range = sums.meanRange();
+      const bool kept = done == nullptr || patch.moments.n > 0;
+      out.patch_of_block.push_back(kept ? static_cast<int>(out.patches.size()) : -1);
+      if (kept) out.patches.push_back(patch);
     }
-    out.strip_begin.push_back(static_cast<int>(out.patches.size()));
+    out.strip_begin.push_back(static_cast<int>(out.patch_of_block.size()));
   }
   linkNeighbours(out);
   return out;

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/refinement.h"
 
+#include "patch_plane_clustering/core/lanes.h"
+
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace ppc {
@@ -18,7 +21,7 @@ class CellResiduals {
  public:
   CellResiduals(const BeamGrid& grid, const Eigen::Vector3f& center, const NoiseModel& noise, float floor, int pixel,
                 const Eigen::Vector3f& a)
-      : grid_(grid), center_(center), a_(a) {
+      : a_(a), offset_(1.0F + a.dot(center)) {
     const float range = grid.range[pixel];
     const float along = a.dot(grid.direction(pixel));
     const float sec2 = std::min(30.0F, a.squaredNorm() / (along * along));
@@ -28,32 +31,32 @@ class CellResiduals {
     log_variance_ = std::log(variance / (sigma * sigma));
   }
 
-  float operator()(int i) const {
-    const float along = a_.dot(grid_.direction(i));
-    const float model = (1.0F - a_.dot(grid_.origin(i) - center_)) / along;
-    const float e = grid_.range[i] - model;
-    return model > 0.0F ? e * e * precision_ : std::numeric_limits<float>::infinity();
+  /// Infinite where the plane is not in front of the sensor.
+  Lanes operator()(const BeamLanes& beam) const {
+    const Lanes along = a_.x() * beam.dir_x + a_.y() * beam.dir_y + a_.z() * beam.dir_z;
+    const Lanes across = offset_ - (a_.x() * beam.origin_x + a_.y() * beam.origin_y + a_.z() * beam.origin_z);
+    const Lanes model = across / along;
+    const Lanes e = beam.range - model;
+    return model > Lanes{} ? e * e * precision_ : fill(std::numeric_limits<float>::infinity());
   }
 
   /// Logarithm of the variance over that of the noise alone: a lenient plane explains everything, but nothing well.
   float logVariance() const { return log_variance_; }
 
  private:
-  const BeamGrid& grid_;
-  Eigen::Vector3f center_, a_;
-  float precision_ = 0.0F, log_variance_ = 0.0F;
+  Eigen::Vector3f a_;
+  float offset_ = 1.0F, precision_ = 0.0F, log_variance_ = 0.0F;
 };
 
 // The valid pixel nearest to the middle of a cell, in scan order; -1 if there is none.
 int middlePixel(const BeamGrid& grid, const Patch& cell) {
-  int middle = -1, valid = 0;
-  for (int r = cell.row_begin; r < cell.row_end; ++r) {
-    for (int c = cell.col_begin; c < cell.col_end; ++c) {
-      const int i = grid.index(r, c);
-      if (grid.valid(i) && 2 * valid++ <= cell.moments.n) middle = i;
-    }
+  const int width = cell.col_end - cell.col_begin, size = width * (cell.row_end - cell.row_begin);
+  const auto pixel = [&](int k) { return grid.index(cell.row_begin + k / width, cell.col_begin + k % width); };
+  for (int step = 0; step <= size / 2; ++step) {
+    if (size / 2 + step < size && grid.valid(pixel(size / 2 + step))) return pixel(size / 2 + step);
+    if (grid.valid(pixel(size / 2 - step))) return pixel(size / 2 - step);
   }
-  return middle;
+  return -1;
 }
 
 // Finds the patches within two steps of a patch, itself included.
@@ -96,6 +99,55 @@ LabelImage emptyLabels(const BeamGrid& grid) {
   return {grid.rows, grid.cols, std::vector<std::int32_t>(static_cast<std::size_t>(grid.size()), 0)};
 }
 
+void storeLanes(Lanes lanes, float* to) { std::memcpy(to, &lanes, sizeof lanes); }
+
+// Numbers of the pixels of a cell and its surroundings, one column to the left and right and `reach` rows up and down,
+// and their sums over windows of three columns and 2 reach + 1 rows.
+class CellWindow {
+ public:
+  /// Slots of a row: one before the cell's columns, the cell's, and room for whole lanes behind.
+  void reset(int width, int first_row, int rows) {
+    blocks_ = (width + kLanes - 1) / kLanes;
+    stride_ = blocks_ * kLanes + 2 * kLanes;
+    first_row_ = first_row;
+    rows_ = rows;
+    values_.assign(static_cast<std::size_t>(stride_ * rows), 0.0F);
+    columns_.resize(static_cast<std::size_t>(stride_));
+  }
+
+  int blocks() const { return blocks_; }
+
+  /// Slot of column `x` of the cell (-1: the one before it) in image row `row`.
+  float* at(int row, int x) { return values_.data() + stride_ * (row - first_row_) + x + 1; }
+
+  /// Calls f(row, block, sums) for the image rows [row_begin, row_end), and blocks of four columns of the cell.
+  template <typename F>
+  void forEachSum(int row_begin, int row_end, int reach, F&& f) {
+    std::fill(columns_.begin(), columns_.end(), 0.0F);
+    int top = first_row_, bottom = first_row_;
+    for (int row = row_begin; row < row_end; ++row) {
+      while (bottom < std::min(first_row_ + rows_, row + reach + 1)) addRow(bottom++, 1.0F);
+      while (top < row - reach) addRow(top++, -1.0F);
+      for (int b = 0; b < blocks_; ++b) {
+        const float* first = columns_.data() + b * kLanes;
+        f(row, b, loadLanes<Lanes>(first) + loadLanes<Lanes>(first + 1) + loadLanes<Lanes>(first + 2));
+      }
+    }
+  }
+
+ private:
+  void addRow(int row, float sign) {
+    const float* from = at(row, -1);
+    for (int x = 0; x < stride_; x += kLanes) {
+      storeLanes(loadLanes<Lanes>(columns_.data() + x) + sign * loadLanes<Lanes>(from + x), columns_.data() + x);
+    }
+  }
+
+  int blocks_ = 0, stride_ = 0, first_row_ = 0, rows_ = 0;
+  std::vector<float> values_;
+  std::vector<float> columns_;  // sums over the rows of the window
+};
+
 // Resolves the points of one patch among candidate clusters.
 class PatchResolver {
  public:
@@ -113,69 +165,88 @@ class PatchResolver {
   }
 
   void resolve(const Patch& patch, const std::vector<std::int32_t>& candidates, std::int32_t first_open, LabelImage& out) {
-    const int strip = patch.col_begin / patches_.strip_cols;
-    const int reach_rows = std::max(1, patches_.strip_rows[strip] / patches_.strip_cols);
-    const int top = std::max(0, patch.row_begin - reach_rows), bottom = std::min(grid_.rows, patch.row_end + reach_rows);
-    const int left = std::max(0, patch.col_begin - 1), right = std::min(grid_.cols, patch.col_end + 1);
-    const int width = right - left;
-    const std::size_t size = static_cast<std::size_t>(bottom - top) * width;
     const int middle = middlePixel(grid_, patch);
     if (middle < 0) return;
-    best_.assign(size, std::numeric_limits<float>::infinity());
-    winner_.assign(size, 0);
-    for (const std::int32_t candidate : candidates) {
-      const CellResiduals squared = residuals(middle, candidate);
-      cost_.assign(size, -1.0F);
-      own_.assign(size, 0.0F);
-      for (int r = top; r < bottom; ++r) {
-        for (int c = left; c < right; ++c) {
-          const int i = grid_.index(r, c);
-          if (!grid_.valid(i)) continue;
-          const std::size_t at = static_cast<std::size_t>(r - top) * width + (c - left);
-          own_[at] = squared(i);
-          cost_[at] = std::min(own_[at], kCap);
-        }
-      }
-      for (int r = patch.row_begin; r < patch.row_end; ++r) {
-        for (int c = patch.col_begin; c < patch.col_end; ++c) {
-          const std::size_t at = static_cast<std::size_t>(r - top) * width + (c - left);
-          if (cost_[at] < 0.0F || own_[at] > kMaxOwnResidual) continue;
-          float sum = 0.0F;
-          int n = 0;
-          for (int y = std::max(top, r - reach_rows); y < std::min(bottom, r + reach_rows + 1); ++y) {
-            for (int x = std::max(left, c - 1); x < std::min(right, c + 2); ++x) {
-              const float cost = cost_[static_cast<std::size_t>(y - top) * width + (x - left)];
-              if (cost < 0.0F) continue;
-              sum += cost;
-              ++n;
-            }
-          }
-          const float mean = sum / static_cast<float>(n);
-          if (mean < kMaxWindowCost && mean + squared.logVariance() < best_[at]) {
-            best_[at] = mean + squared.logVariance();
-            winner_[at] = candidate;
-          }
-        }
-      }
-    }
+    const int strip = patch.col_begin / patches_.strip_cols;
+    const int reach = std::max(1, patches_.strip_rows[strip] / patches_.strip_cols);
+    countWindow(patch, reach);
+    std::fill(best_.begin(), best_.end(), fill(std::numeric_limits<float>::infinity()));
+    std::fill(winner_.begin(), winner_.end(), LaneMask{});
+    for (const std::int32_t candidate : candidates) compete(patch, reach, middle, candidate);
     for (int r = patch.row_begin; r < patch.row_end; ++r) {
       for (int c = patch.col_begin; c < patch.col_end; ++c) {
-        const int i = grid_.index(r, c);
-        if (out.labels[i] > 0 && out.labels[i] < first_open) continue;
-        out.labels[i] = winner_[static_cast<std::size_t>(r - top) * width + (c - left)];
+        std::int32_t& label = out.labels[grid_.index(r, c)];
+        if (label > 0 && label < first_open) continue;
+        const int x = c - patch.col_begin;
+        label = winner_[blockAt(patch, r, x / kLanes)][x % kLanes];
       }
     }
   }
 
  private:
+  // Beams of the window, and how many of them each pixel's own window counts.
+  void countWindow(const Patch& patch, int reach) {
+    const int top = std::max(0, patch.row_begin - reach), bottom = std::min(grid_.rows, patch.row_end + reach);
+    const int left = std::max(0, patch.col_begin - 1), right = std::min(grid_.cols, patch.col_end + 1);
+    const int width = patch.col_end - patch.col_begin;
+    costs_.reset(width, top, bottom - top);
+    own_.reset(width, top, bottom - top);
+    beams_.clear();
+    for (int r = top; r < bottom; ++r) {
+      for (int c = left; c < right; c += kLanes) {
+        beams_.push_back({BeamLanes(grid_, grid_.index(r, c), right - c), r, c - patch.col_begin});
+        const WindowBeams& added = beams_.back();
+        storeLanes(added.beams.valid ? fill(1.0F) : Lanes{}, costs_.at(r, added.x));
+      }
+    }
+    const std::size_t size = static_cast<std::size_t>((patch.row_end - patch.row_begin) * costs_.blocks());
+    inverse_count_.resize(size);
+    best_.resize(size);
+    winner_.resize(size);
+    costs_.forEachSum(patch.row_begin, patch.row_end, reach, [&](int row, int block, Lanes count) {
+      inverse_count_[blockAt(patch, row, block)] = 1.0F / (count > fill(1.0F) ? count : fill(1.0F));
+    });
+  }
+
+  void compete(const Patch& patch, int reach, int middle, std::int32_t candidate) {
+    const CellResiduals squared = residuals(middle, candidate);
+    const float outlier = std::numeric_limits<float>::infinity();
+    for (const WindowBeams& window : beams_) {
+      const Lanes own = squared(window.beams);
+      storeLanes(window.beams.valid ? own : fill(outlier), own_.at(window.row, window.x));
+      const Lanes capped = own < fill(kCap) ? own : fill(kCap);
+      storeLanes(window.beams.valid ? capped : Lanes{}, costs_.at(window.row, window.x));
+    }
+    costs_.forEachSum(patch.row_begin, patch.row_end, reach, [&](int row, int block, Lanes sum) {
+      const std::size_t k = blockAt(patch, row, block);
+      const Lanes mean = sum * inverse_count_[k];
+      const Lanes total = mean + squared.logVariance();
+      const Lanes own = loadLanes<Lanes>(own_.at(row, block * kLanes));
+      const LaneMask better = (own <= fill(kMaxOwnResidual)) & (mean < fill(kMaxWindowCost)) & (total < best_[k]);
+      best_[k] = better ? total : best_[k];
+      winner_[k] = better ? fillMask(candidate) : winner_[k];
+    });
+  }
+
+  std::size_t blockAt(const Patch& patch, int row, int block) const {
+    return static_cast<std::size_t>((row - patch.row_begin) * costs_.blocks() + block);
+  }
+
+  struct WindowBeams {
+    BeamLanes beams;
+    int row, x;
+  };
+
   const BeamGrid& grid_;
   const PatchGrid& patches_;
   const std::vector<Eigen::Vector3d>& planes_;
   const NoiseModel& noise_;
   Eigen::Vector3f center_;
   float floor_;
-  std::vector<float> cost_, own_, best_;
-  std::vector<std::int32_t> winner_;
+  std::vector<WindowBeams> beams_;
+  CellWindow costs_, own_;
+  std::vector<Lanes> inverse_count_, best_;
+  std::vector<LaneMask> winner_;
 };
 
 }  // namespace
@@ -219,8 +290,13 @@ LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const Cell
     if (inside) {
       const CellResiduals squared = resolver.residuals(middlePixel(grid, cell), own);
       for (int r = cell.row_begin; r < cell.row_end; ++r) {
-        for (int i = grid.index(r, cell.col_begin); i < grid.index(r, cell.col_end); ++i) {
-          if (!grid.valid(i) || squared(i) > kMaxOwnResidual) out.labels[i] = 0;
+        for (int c = cell.col_begin; c < cell.col_end; c += kLanes) {
+          const BeamLanes beams(grid, grid.index(r, c), cell.col_end - c);
+          const LaneMask outside = ~beams.valid | (squared(beams) > fill(kMaxOwnResidual));
+          if (!anyLane(outside)) continue;
+          for (int lane = 0; lane < std::min(kLanes, cell.col_end - c); ++lane) {
+            if (outside[lane] != 0) out.labels[grid.index(r, c + lane)] = 0;
+          }
         }
       }
       continue;

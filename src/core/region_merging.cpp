@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/region_merging.h"
 
+#include "patch_plane_clustering/core/block_moments.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -127,37 +129,50 @@ CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseM
   CellShares out;
   out.begin.reserve(cells.patches.size() + 1);
   out.shares.reserve(cells.patches.size());
+  const auto labelsAt = [&](int i, int count) {
+    const std::int32_t* at = labels.labels.data() + i;
+    const LaneMask here = i + kLanes <= grid.size() ? loadLanes<LaneMask>(at) : loadLanes<LaneMask>(at, count);
+    return here & firstLanes(count);
+  };
+  const auto firstOf = [](LaneMask here) {
+    int lane = 0;
+    while (here[lane] == 0) ++lane;
+    return here[lane];
+  };
+  std::vector<std::int32_t> found;
   for (const Patch& cell : cells.patches) {
-    const std::size_t first = out.shares.size();
-    out.begin.push_back(static_cast<int>(first));
+    out.begin.push_back(static_cast<int>(out.shares.size()));
+    // The usual case first: one label, whole; the patch's own sums serve.
     std::int32_t only = 0;
-    int labelled = 0;
-    bool uniform = true;
+    LaneMask others = {}, labelled = {};
     for (int r = cell.row_begin; r < cell.row_end; ++r) {
-      for (int i = grid.index(r, cell.col_begin); i < grid.index(r, cell.col_end); ++i) {
-        const std::int32_t label = labels.labels[i];
-        if (label == 0) continue;
-        uniform = uniform && (labelled == 0 || label == only);
-        only = label;
-        ++labelled;
+      for (int c = cell.col_begin; c < cell.col_end; c += kLanes) {
+        const LaneMask here = labelsAt(grid.index(r, c), cell.col_end - c);
+        if (only == 0 && anyLane(here)) only = firstOf(here);
+        labelled += here > LaneMask{};
+        others |= (here > LaneMask{}) & (here != fillMask(only));
       }
     }
-    if (labelled == 0) continue;
-    if (uniform && labelled == cell.moments.n) {  // the usual case: the patch's own sums serve
+    if (only == 0) continue;
+    if (!anyLane(others) && countLanes(labelled) == cell.moments.n) {
       out.shares.push_back({only, cell.moments});
       continue;
     }
+    found.clear();
     for (int r = cell.row_begin; r < cell.row_end; ++r) {
       for (int i = grid.index(r, cell.col_begin); i < grid.index(r, cell.col_end); ++i) {
         const std::int32_t label = labels.labels[i];
-        if (label == 0 || !grid.valid(i)) continue;
-        std::size_t at = first;
-        while (at < out.shares.size() && out.shares[at].label != label) ++at;
-        if (at == out.shares.size()) out.shares.push_back({label, Moments()});
-        const Eigen::Vector3d p = grid.point(i).cast<double>() - cells.center;
-        const double precision = grid.range[i] / noise.sigma(grid.range[i]);
-        out.shares[at].moments.add(p.x(), p.y(), p.z(), precision * precision);
+        if (label > 0 && std::find(found.begin(), found.end(), label) == found.end()) found.push_back(label);
       }
+    }
+    for (const std::int32_t label : found) {
+      BlockMoments sums =
+          sumBlock(grid, cells.center, cell.row_begin, cell.row_end, cell.col_begin, cell.col_end,
+                   [&](int i, int count) { return labelsAt(i, count) == fillMask(label); });
+      if (sums.moments.n == 0) continue;
+      const double sigma = noise.sigma(sums.meanRange());
+      sums.moments.scale(1.0 / (sigma * sigma));
+      out.shares.push_back({label, sums.moments});
     }
   }
   out.begin.push_back(static_cast<int>(out.shares.size()));

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/region_statistics.h"
 
+#include "patch_plane_clustering/core/label_runs.h"
+#include "patch_plane_clustering/core/lanes.h"
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -11,27 +14,36 @@
 namespace ppc {
 namespace {
 
-constexpr double kMinCosine = 0.02;  // of incidence: the residual along a beam says nothing about a plane seen edge-on
+constexpr float kMinCosine = 0.02F;  // of incidence: the residual along a beam says nothing about a plane seen edge-on
 
-// Sums of the points of a label about its first point, so that they keep their digits far from the sensor. Plain numbers:
-// this runs once a pixel.
+constexpr int kBlock = 64;           // pixels summed in single precision about a point of their own
+
+// Sums of the points of a label about its first point, so that they keep their digits far from the sensor.
 struct PointSums {
   double ox = 0, oy = 0, oz = 0;
   double ux = 0, uy = 0, uz = 0;
   double x = 0, y = 0, z = 0;
   double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
   int n = 0;
+};
 
-  void add(const Eigen::Vector3f& point, const Eigen::Vector3f& beam) {
-    if (n++ == 0) {
-      ox = point.x();
-      oy = point.y();
-      oz = point.z();
-    }
-    const double px = point.x() - ox, py = point.y() - oy, pz = point.z() - oz;
-    ux += beam.x();
-    uy += beam.y();
-    uz += beam.z();
+// Adds the valid pixels [begin, end), at most kBlock of them. Four at a time in single precision about the block's own first
+// point, which is near enough for the digits to suffice.
+void addPoints(const BeamGrid& grid, int begin, int end, PointSums& s) {
+  while (begin < end && !grid.valid(begin)) ++begin;
+  if (begin == end) return;
+  const Eigen::Vector3f first = grid.point(begin);
+  Lanes ux = {}, uy = {}, uz = {}, x = {}, y = {}, z = {}, xx = {}, xy = {}, xz = {}, yy = {}, yz = {}, zz = {};
+  LaneMask counted = {};
+  for (int i = begin; i < end; i += kLanes) {
+    const BeamLanes beam(grid, i, end - i);
+    const Lanes zero = {};
+    const Lanes px = beam.valid ? beam.origin_x + beam.range * beam.dir_x - first.x() : zero;
+    const Lanes py = beam.valid ? beam.origin_y + beam.range * beam.dir_y - first.y() : zero;
+    const Lanes pz = beam.valid ? beam.origin_z + beam.range * beam.dir_z - first.z() : zero;
+    ux += beam.valid ? beam.dir_x : zero;
+    uy += beam.valid ? beam.dir_y : zero;
+    uz += beam.valid ? beam.dir_z : zero;
     x += px;
     y += py;
     z += pz;
@@ -41,8 +53,31 @@ struct PointSums {
     yy += py * py;
     yz += py * pz;
     zz += pz * pz;
+    counted += beam.valid;
   }
-};
+  if (s.n == 0) {
+    s.ox = first.x();
+    s.oy = first.y();
+    s.oz = first.z();
+  }
+  // From the block's origin to the label's: p = q + (first - o).
+  const double n = countLanes(counted);
+  const double dx = first.x() - s.ox, dy = first.y() - s.oy, dz = first.z() - s.oz;
+  const double qx = sumLanes(x), qy = sumLanes(y), qz = sumLanes(z);
+  s.ux += sumLanes(ux);
+  s.uy += sumLanes(uy);
+  s.uz += sumLanes(uz);
+  s.x += qx + n * dx;
+  s.y += qy + n * dy;
+  s.z += qz + n * dz;
+  s.xx += sumLanes(xx) + 2.0 * qx * dx + n * dx * dx;
+  s.xy += sumLanes(xy) + qx * dy + qy * dx + n * dx * dy;
+  s.xz += sumLanes(xz) + qx * dz + qz * dx + n * dx * dz;
+  s.yy += sumLanes(yy) + 2.0 * qy * dy + n * dy * dy;
+  s.yz += sumLanes(yz) + qy * dz + qz * dy + n * dy * dz;
+  s.zz += sumLanes(zz) + 2.0 * qz * dz + n * dz * dz;
+  s.n += static_cast<int>(n);
+}
 
 // Total least squares: the start of the fit along the beams, and its substitute where that is ill-posed.
 PlanarRegion describe(std::int32_t id, const PointSums& s) {
@@ -87,28 +122,48 @@ struct BeamSums {
   int n = 0;
 };
 
-void addBeam(const BeamGrid& grid, int i, const PlanarRegion& region, BeamSums& s) {
-  const Eigen::Vector3d u = grid.direction(i).cast<double>();
-  const Eigen::Vector3d o = grid.origin(i).cast<double>();
-  const double cosine = region.plane.normal.dot(u);
-  if (!(cosine < -kMinCosine)) return;
-  const double inverse = 1.0 / cosine;
-  const double range = (region.plane.d - region.plane.normal.dot(o)) * inverse;
-  const double residual = grid.range[i] - range;
-  const Eigen::Vector3d q = o + range * u - region.centroid;
-  // n' = n + alpha t1 + beta t2, offset gamma at the centroid: d range = (gamma - alpha t1.q - beta t2.q) / (n.u)
-  const double a = -s.tangent1.dot(q) * inverse, b = -s.tangent2.dot(q) * inverse, c = inverse;
-  s.aa += a * a;
-  s.ab += a * b;
-  s.ac += a * c;
-  s.bb += b * b;
-  s.bc += b * c;
-  s.cc += c * c;
-  s.ra += a * residual;
-  s.rb += b * residual;
-  s.rc += c * residual;
-  s.squares += residual * residual;
-  ++s.n;
+// Adds the valid pixels [begin, end), at most kBlock of them.
+void addBeams(const BeamGrid& grid, int begin, int end, const PlanarRegion& region, BeamSums& s) {
+  const Eigen::Vector3f n = region.plane.normal.cast<float>(), center = region.centroid.cast<float>();
+  const Eigen::Vector3f t1 = s.tangent1.cast<float>(), t2 = s.tangent2.cast<float>();
+  Lanes aa = {}, ab = {}, ac = {}, bb = {}, bc = {}, cc = {}, ra = {}, rb = {}, rc = {}, squares = {};
+  LaneMask counted = {};
+  for (int i = begin; i < end; i += kLanes) {
+    const BeamLanes beam(grid, i, end - i);
+    const Lanes cosine = n.x() * beam.dir_x + n.y() * beam.dir_y + n.z() * beam.dir_z;
+    const LaneMask used = beam.valid & (cosine < fill(-kMinCosine));
+    const Lanes inverse = used ? 1.0F / cosine : Lanes{};
+    // From the centroid, not from the frame's origin: short distances keep their digits.
+    const Lanes ox = beam.origin_x - center.x(), oy = beam.origin_y - center.y(), oz = beam.origin_z - center.z();
+    const Lanes range = -(n.x() * ox + n.y() * oy + n.z() * oz) * inverse;
+    const Lanes residual = used ? beam.range - range : Lanes{};
+    const Lanes qx = ox + range * beam.dir_x, qy = oy + range * beam.dir_y, qz = oz + range * beam.dir_z;
+    // n' = n + alpha t1 + beta t2, offset gamma at the centroid: d range = (gamma - alpha t1.q - beta t2.q) / (n.u)
+    const Lanes a = -(t1.x() * qx + t1.y() * qy + t1.z() * qz) * inverse;
+    const Lanes b = -(t2.x() * qx + t2.y() * qy + t2.z() * qz) * inverse;
+    aa += a * a;
+    ab += a * b;
+    ac += a * inverse;
+    bb += b * b;
+    bc += b * inverse;
+    cc += inverse * inverse;
+    ra += a * residual;
+    rb += b * residual;
+    rc += inverse * residual;
+    squares += residual * residual;
+    counted += used;
+  }
+  s.aa += sumLanes(aa);
+  s.ab += sumLanes(ab);
+  s.ac += sumLanes(ac);
+  s.bb += sumLanes(bb);
+  s.bc += sumLanes(bc);
+  s.cc += sumLanes(cc);
+  s.ra += sumLanes(ra);
+  s.rb += sumLanes(rb);
+  s.rc += sumLanes(rc);
+  s.squares += sumLanes(squares);
+  s.n += countLanes(counted);
 }
 
 void refineAlongBeams(const BeamSums& s, PlanarRegion& region) {
@@ -132,30 +187,20 @@ void refineAlongBeams(const BeamSums& s, PlanarRegion& region) {
   region.covariance = variance * jacobian * solver.solve(Eigen::Matrix3d::Identity()) * jacobian.transpose();
 }
 
-// Calls f(label, begin, end) for every stretch of pixels of one label above 0, in scan order.
+// Calls f(label, begin, end) for every stretch of pixels of one label, in pieces of kBlock at most.
 template <typename F>
-void forEachRun(const LabelImage& labels, F&& f) {
-  const int n = static_cast<int>(labels.labels.size());
-  for (int begin = 0, end = 0; begin < n; begin = end) {
-    const std::int32_t label = labels.labels[begin];
-    while (end < n && labels.labels[end] == label) ++end;
-    if (label > 0) f(label, begin, end);
-  }
+void forEachBlock(const LabelImage& labels, F&& f) {
+  forEachRun(labels, [&](std::int32_t label, int begin, int end) {
+    for (int at = begin; at < end; at += kBlock) f(label, at, std::min(at + kBlock, end));
+  });
 }
 
 }  // namespace
 
 std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage& labels) {
-  std::int32_t highest = 0;
-  for (const std::int32_t label : labels.labels) highest = std::max(highest, label);
+  const std::int32_t highest = highestLabel(labels);
   std::vector<PointSums> sums(static_cast<std::size_t>(highest) + 1);
-  forEachRun(labels, [&](std::int32_t label, int begin, int end) {
-    PointSums run = sums[label];  // a local copy stays in registers
-    for (int i = begin; i < end; ++i) {
-      if (grid.valid(i)) run.add(grid.point(i), grid.direction(i));
-    }
-    sums[label] = run;
-  });
+  forEachBlock(labels, [&](std::int32_t label, int begin, int end) { addPoints(grid, begin, end, sums[label]); });
   std::vector<PlanarRegion> regions;
   for (std::int32_t id = 1; id <= highest; ++id) {
     if (sums[id].n >= 3) regions.push_back(describe(id, sums[id]));
@@ -169,14 +214,8 @@ std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage
     beams[k].tangent1 = regions[k].plane.normal.unitOrthogonal();
     beams[k].tangent2 = regions[k].plane.normal.cross(beams[k].tangent1);
   }
-  forEachRun(labels, [&](std::int32_t label, int begin, int end) {
-    if (index[label] < 0) return;
-    const PlanarRegion& region = regions[index[label]];
-    BeamSums run = beams[index[label]];
-    for (int i = begin; i < end; ++i) {
-      if (grid.valid(i)) addBeam(grid, i, region, run);
-    }
-    beams[index[label]] = run;
+  forEachBlock(labels, [&](std::int32_t label, int begin, int end) {
+    if (index[label] >= 0) addBeams(grid, begin, end, regions[index[label]], beams[index[label]]);
   });
   for (std::size_t k = 0; k < regions.size(); ++k) refineAlongBeams(beams[k], regions[k]);
   return regions;

@@ -29,16 +29,18 @@ struct PatchGrid {
   int rows = 0, cols = 0;            ///< of the image
   int strip_cols = 0;                ///< k
   std::vector<int> strip_rows;       ///< rows of a patch in each strip
-  std::vector<int> strip_begin;      ///< index of each strip's first patch, and one past the last
+  std::vector<int> strip_begin;      ///< number of each strip's first block, and one past the last
+  std::vector<int> patch_of_block;   ///< index of each block's patch, or -1 if it is left out
   std::vector<Patch> patches;        ///< strip by strip, in ascending rows
   std::vector<int> neighbour_begin;  ///< index into `neighbours` of each patch's first one, and one past the last
   std::vector<int> neighbours;       ///< patches that share an edge, patch by patch
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< mean sensor position: origin of all moments [m]
 
   int strips() const { return static_cast<int>(strip_rows.size()); }
+  /// Index of the patch at a pixel; -1 if it is left out.
   int patchAt(int row, int col) const {
     const int strip = col / strip_cols;
-    return strip_begin[strip] + row / strip_rows[strip];
+    return patch_of_block[strip_begin[strip] + row / strip_rows[strip]];
   }
   /// Calls f(i) for the patches i that share an edge with patch `index`; a patch without points is given none.
   template <typename F>
@@ -49,7 +51,7 @@ struct PatchGrid {
 
 /// @brief Cuts the grid into patches and sums their moments with unit noise: w = r^2.
 /// @param equal_angle false: square k x k patches, as in the paper.
-/// @param done if given, pixels with a label there are left out of the moments.
+/// @param done if given, pixels with a label there are left out of the moments, and patches without any other are left out.
 PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, const LabelImage* done = nullptr);
 
 }  // namespace ppc

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "patch_plane_clustering/core/lanes.h"
+#include "patch_plane_clustering/core/segmentation.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace ppc {
+
+/// End of the stretch of equal labels that begins at `begin`, `limit` at most.
+inline int runEnd(const std::int32_t* labels, int begin, int limit) {
+  const LaneMask label = fillMask(labels[begin]);
+  int end = begin + 1;
+  for (; end + kLanes <= limit; end += kLanes) {
+    if (anyLane(loadLanes<LaneMask>(labels + end) != label)) break;
+  }
+  while (end < limit && labels[end] == labels[begin]) ++end;
+  return end;
+}
+
+/// Calls f(label, begin, end) for every stretch of pixels of one label above 0, in scan order. A stretch may go on over the
+/// ends of rows.
+template <typename F>
+void forEachRun(const LabelImage& labels, F&& f) {
+  const int n = static_cast<int>(labels.labels.size());
+  for (int begin = 0, end = 0; begin < n; begin = end) {
+    end = runEnd(labels.labels.data(), begin, n);
+    if (labels.labels[begin] > 0) f(labels.labels[begin], begin, end);
+  }
+}
+
+/// The largest label of an image; 0 if there is none.
+inline std::int32_t highestLabel(const LabelImage& labels) {
+  std::int32_t highest = 0;
+  for (const std::int32_t label : labels.labels) highest = std::max(highest, label);
+  return highest;
+}
+
+}  // namespace ppc
