@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 namespace ppc {
@@ -20,15 +20,21 @@ constexpr int kMinBorderPoints = 6;
 
 using Pair = std::pair<std::int32_t, std::int32_t>;
 
-double wholeSimilarity(const Moments& a, const Moments& b, const PlaneFit& joint, const NoiseModel& noise,
+// A label as a whole.
+struct Whole {
+  Moments moments;
+  PlaneFit fit;
+};
+
+double wholeSimilarity(const Whole& a, const Whole& b, const PlaneFit& joint, const NoiseModel& noise,
                        const CoplanarityTolerance& tolerance) {
   CoplanarityTolerance whole = tolerance;
   whole.sigma_distance *= kWholeTolerance;
-  const Moments& small = a.n < b.n ? a : b;
+  const Moments& small = a.moments.n < b.moments.n ? a.moments : b.moments;
   const double range = small.mean().norm();
   const double sigma = noise.sigma(range);
-  return similarity(joint.chi2 - fitPlane(a).chi2 - fitPlane(b).chi2, small.n / (sigma * sigma),
-                    std::min(small.radius(), kMaxRadius), secantSquared(joint.a, range), whole);
+  return similarity(joint.chi2 - a.fit.chi2 - b.fit.chi2, small.n / (sigma * sigma), std::min(small.radius(), kMaxRadius),
+                    secantSquared(joint.a, range), whole);
 }
 
 double stepSimilarity(const Moments& a, const Moments& b, const PlaneFit& joint, const NoiseModel& noise,
@@ -42,55 +48,95 @@ double stepSimilarity(const Moments& a, const Moments& b, const PlaneFit& joint,
   return std::exp(-0.5 * gap * gap / (variance + step * step));
 }
 
-// Moments of both sides of every border of a fresh label: cells within kBorderSteps of a cell in which, or next to which,
-// the labels meet.
-std::map<Pair, std::pair<Moments, Moments>> measureBorders(const PatchGrid& cells, const CellShares& all,
-                                                           const std::vector<bool>& fresh) {
-  std::map<Pair, std::vector<int>> meeting;
-  const auto meet = [&](std::int32_t a, std::int32_t b, int i, int j) {
-    if (a == b || !(fresh[a] || fresh[b])) return;
-    auto& at = meeting[{std::min(a, b), std::max(a, b)}];
-    at.push_back(i);
-    at.push_back(j);
-  };
-  const int count = static_cast<int>(cells.patches.size());
-  for (int i = 0; i < count; ++i) {
+// Cells in which several labels meet, or that lie next to a cell with another label.
+std::vector<int> borderCells(const PatchGrid& cells, const CellShares& all) {
+  std::vector<int> found;
+  for (int i = 0; i < static_cast<int>(cells.patches.size()); ++i) {
+    const int begin = all.begin[i], end = all.begin[i + 1];
+    if (begin == end) continue;
+    const std::int32_t label = all.shares[begin].label;
+    bool border = end - begin > 1;
+    cells.forEachNeighbour(i, [&](int j) {
+      for (int t = all.begin[j]; t < all.begin[j + 1]; ++t) border = border || all.shares[t].label != label;
+    });
+    if (border) found.push_back(i);
+  }
+  return found;
+}
+
+// A pair of labels that meet, at a cell.
+struct Meeting {
+  Pair pair;
+  int cell;
+  bool operator<(const Meeting& o) const { return std::tie(pair, cell) < std::tie(o.pair, o.cell); }
+  bool operator==(const Meeting& o) const { return pair == o.pair && cell == o.cell; }
+};
+
+// Where labels meet of which at least one is fresh; in ascending pairs. `names`: what the labels of the shares have become.
+std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellShares& all, const std::vector<int>& border,
+                                  const std::vector<std::int32_t>& names, const std::vector<bool>& fresh) {
+  std::vector<Meeting> meetings;
+  for (const int i : border) {
     for (int s = all.begin[i]; s < all.begin[i + 1]; ++s) {
-      const std::int32_t label = all.shares[s].label;
-      for (int t = s + 1; t < all.begin[i + 1]; ++t) meet(label, all.shares[t].label, i, i);
+      const std::int32_t a = names[all.shares[s].label];
+      const auto meet = [&](int t, int j) {
+        const std::int32_t b = names[all.shares[t].label];
+        if (a == b || !(fresh[a] || fresh[b])) return;
+        const Pair pair{std::min(a, b), std::max(a, b)};
+        meetings.push_back({pair, i});
+        if (j != i) meetings.push_back({pair, j});
+      };
+      for (int t = s + 1; t < all.begin[i + 1]; ++t) meet(t, i);
       cells.forEachNeighbour(i, [&](int j) {
         if (j < i) return;
-        for (int t = all.begin[j]; t < all.begin[j + 1]; ++t) meet(label, all.shares[t].label, i, j);
+        for (int t = all.begin[j]; t < all.begin[j + 1]; ++t) meet(t, j);
       });
     }
   }
-  std::map<Pair, std::pair<Moments, Moments>> borders;
-  std::vector<int> reached(cells.patches.size(), -1);  // the last border that took the cell
-  int border = -1;
-  for (auto& [pair, near] : meeting) {
-    ++border;
-    std::vector<int> wave;
+  std::sort(meetings.begin(), meetings.end());
+  meetings.erase(std::unique(meetings.begin(), meetings.end()), meetings.end());
+  return meetings;
+}
+
+// Sums both sides of a border: what the two labels have in cells within kBorderSteps of those where they meet.
+class BorderSums {
+ public:
+  BorderSums(const PatchGrid& cells, const CellShares& all, const std::vector<std::int32_t>& names)
+      : cells_(cells), all_(all), names_(names), reached_(cells.patches.size(), -1) {}
+
+  std::pair<Moments, Moments> measure(const Meeting* begin, const Meeting* end) {
+    ++border_;
+    wave_.clear();
     const auto take = [&](int i) {
-      if (reached[i] == border) return;
-      reached[i] = border;
-      wave.push_back(i);
+      if (reached_[i] == border_) return;
+      reached_[i] = border_;
+      wave_.push_back(i);
     };
-    for (const int i : near) take(i);
-    std::size_t begin = 0;
+    for (const Meeting* at = begin; at != end; ++at) take(at->cell);
+    std::size_t next = 0;
     for (int step = 0; step < kBorderSteps; ++step) {
-      const std::size_t end = wave.size();
-      for (; begin < end; ++begin) cells.forEachNeighbour(wave[begin], take);
+      const std::size_t last = wave_.size();
+      for (; next < last; ++next) cells_.forEachNeighbour(wave_[next], take);
     }
-    auto& [first, second] = borders[pair];
-    for (const int i : wave) {
-      for (int s = all.begin[i]; s < all.begin[i + 1]; ++s) {
-        if (all.shares[s].label == pair.first) first += all.shares[s].moments;
-        if (all.shares[s].label == pair.second) second += all.shares[s].moments;
+    std::pair<Moments, Moments> sums;
+    for (const int i : wave_) {
+      for (int s = all_.begin[i]; s < all_.begin[i + 1]; ++s) {
+        const std::int32_t label = names_[all_.shares[s].label];
+        if (label == begin->pair.first) sums.first += all_.shares[s].moments;
+        if (label == begin->pair.second) sums.second += all_.shares[s].moments;
       }
     }
+    return sums;
   }
-  return borders;
-}
+
+ private:
+  const PatchGrid& cells_;
+  const CellShares& all_;
+  const std::vector<std::int32_t>& names_;
+  std::vector<int> reached_;  // the last border that took the cell
+  std::vector<int> wave_;
+  int border_ = -1;
+};
 
 std::vector<Moments> sumShares(const CellShares& cells) {
   std::vector<Moments> sums(1);
@@ -187,20 +233,27 @@ std::vector<Eigen::Vector3d> labelPlanes(const CellShares& cells) {
 
 void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
                  CellShares& shares, LabelImage& labels) {
-  std::vector<Moments> whole = sumShares(shares);
-  std::vector<std::int32_t> renamed(whole.size());
-  std::iota(renamed.begin(), renamed.end(), 0);
+  std::vector<Whole> whole;
+  for (const Moments& sum : sumShares(shares)) whole.push_back({sum, fitPlane(sum)});
+  std::vector<std::int32_t> names(whole.size());
+  std::iota(names.begin(), names.end(), 0);
   std::vector<bool> fresh(whole.size(), true);  // pairs of labels that have not changed need no second look
+  const std::vector<int> border = borderCells(cells, shares);
+  BorderSums borders(cells, shares, names);
   while (true) {
     std::vector<std::pair<double, Pair>> candidates;
-    for (const auto& [pair, border] : measureBorders(cells, shares, fresh)) {
-      if (border.first.n < kMinBorderPoints || border.second.n < kMinBorderPoints) continue;
-      const Moments& a = whole[pair.first];
-      const Moments& b = whole[pair.second];
-      const PlaneFit joint = fitPlane(a + b);
+    const std::vector<Meeting> meetings = findMeetings(cells, shares, border, names, fresh);
+    for (std::size_t begin = 0, end = 0; begin < meetings.size(); begin = end) {
+      const Pair pair = meetings[begin].pair;
+      while (end < meetings.size() && meetings[end].pair == pair) ++end;
+      const Whole& a = whole[pair.first];
+      const Whole& b = whole[pair.second];
+      const PlaneFit joint = fitPlane(a.moments + b.moments);
       const double s = wholeSimilarity(a, b, joint, noise, tolerance);
-      if (s < threshold || stepSimilarity(border.first, border.second, joint, noise, tolerance) < threshold) continue;
-      candidates.push_back({-s, pair});
+      if (s < threshold) continue;
+      const auto [first, second] = borders.measure(&meetings[begin], meetings.data() + end);
+      if (first.n < kMinBorderPoints || second.n < kMinBorderPoints) continue;
+      if (stepSimilarity(first, second, joint, noise, tolerance) >= threshold) candidates.push_back({-s, pair});
     }
     if (candidates.empty()) break;
     std::sort(candidates.begin(), candidates.end());
@@ -210,14 +263,16 @@ void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const Coplanar
     for (const auto& [s, pair] : candidates) {
       if (changed[pair.first] || changed[pair.second]) continue;
       changed[pair.first] = changed[pair.second] = true;
-      whole[pair.first] += whole[pair.second];
+      Whole& joined = whole[pair.first];
+      joined.moments += whole[pair.second].moments;
+      joined.fit = fitPlane(joined.moments);
       now[pair.second] = pair.first;
     }
-    for (std::int32_t& label : renamed) label = now[label];
-    rename(now, shares);
+    for (std::int32_t& label : names) label = now[label];
     fresh = changed;
   }
-  for (std::int32_t& label : labels.labels) label = renamed[label];
+  rename(names, shares);
+  for (std::int32_t& label : labels.labels) label = names[label];
 }
 
 }  // namespace ppc
