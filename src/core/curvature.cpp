@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/curvature.h"
 
+#include "patch_plane_clustering/core/label_runs.h"
+#include "patch_plane_clustering/core/lanes.h"
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -109,17 +112,19 @@ QuadraticFit fitQuadratic(const Eigen::Vector3d& n, const std::vector<const std:
       const Eigen::Vector3d p = sample.point - center;
       const double s = s_axis.dot(p) / scale, t = t_axis.dot(p) / scale, z = n.dot(p);
       const double w = sample.weight / (sample.sigma * sample.sigma);
-      Vector6 terms;
-      terms << 1.0, s, t, s * s, s * t, t * t;
-      normal.selfadjointView<Eigen::Lower>().rankUpdate(terms, w);
-      right += w * z * terms;
+      const double terms[6] = {1.0, s, t, s * s, s * t, t * t};
+      for (int row = 0; row < 6; ++row) {  // the lower triangle
+        const double weighted = w * terms[row];
+        right[row] += weighted * z;
+        for (int col = 0; col <= row; ++col) normal(row, col) += weighted * terms[col];
+      }
       total += w * z * z;
-      fit.weight += w;
       fit.points += sample.weight;
-      fit.scatter += w * Eigen::Vector2d(s, t) * Eigen::Vector2d(s, t).transpose();
     }
   }
   normal = Matrix6(normal.selfadjointView<Eigen::Lower>());
+  fit.weight = normal(0, 0);
+  fit.scatter = normal.block<2, 2>(1, 1);
   const double ridge = 1e-9 * normal.trace();
   const Vector6 quadratic = Matrix6(normal + ridge * Matrix6::Identity()).ldlt().solve(right);
   const Eigen::Vector3d linear =
@@ -159,7 +164,15 @@ std::set<std::pair<std::int32_t, std::int32_t>> touchingLabels(const LabelImage&
   for (int r = 0; r < labels.rows; ++r) {
     for (int c = 0; c < labels.cols; ++c) {
       const std::size_t i = static_cast<std::size_t>(r) * labels.cols + c;
-      const std::int32_t label = labels.labels[i];
+      const std::int32_t* at = labels.labels.data() + i;
+      if (r + 1 < labels.rows && c + kLanes < labels.cols) {  // four pixels inside of a region
+        const auto here = loadLanes<LaneMask>(at);
+        if (!anyLane((here != loadLanes<LaneMask>(at + 1)) | (here != loadLanes<LaneMask>(at + labels.cols)))) {
+          c += kLanes - 1;
+          continue;
+        }
+      }
+      const std::int32_t label = *at;
       if (label == 0) continue;
       // Where the next pixel has the same label, it finds what lies beyond.
       if (c + 1 < labels.cols && labels.labels[i + 1] != label) {
@@ -206,19 +219,18 @@ double misfit(const Plane& plane, const std::vector<Sample>& samples) {
 
 // Samples of every label of at least three points; index = label.
 std::vector<SampledRegion> sampleRegions(const BeamGrid& grid, const LabelImage& labels, const NoiseModel& noise) {
-  std::vector<int> count(1, 0);
-  for (int i = 0; i < grid.size(); ++i) {
-    const auto label = static_cast<std::size_t>(labels.labels[i]);
-    if (label >= count.size()) count.resize(label + 1, 0);
-    if (label > 0) ++count[label];
-  }
+  std::vector<int> count(static_cast<std::size_t>(highestLabel(labels)) + 1, 0);
+  forEachRun(labels, [&](std::int32_t label, int begin, int end) { count[label] += end - begin; });
   std::vector<std::vector<int>> pixels(count.size());
-  std::vector<int> seen(count.size(), 0);
-  for (int i = 0; i < grid.size(); ++i) {
-    const std::int32_t label = labels.labels[i];
-    if (label > 0 && seen[label]++ % std::max(1, count[label] / kMaxSamples) == 0 && grid.valid(i))
-      pixels[label].push_back(i);
-  }
+  std::vector<int> next(count.size(), 0);  // pixels of the label until the next sample
+  forEachRun(labels, [&](std::int32_t label, int begin, int end) {
+    const int stride = std::max(1, count[label] / kMaxSamples);
+    int i = begin + next[label];
+    for (; i < end; i += stride) {
+      if (grid.valid(i)) pixels[label].push_back(i);
+    }
+    next[label] = i - end;
+  });
   std::vector<SampledRegion> regions(count.size());
   for (std::size_t label = 1; label < count.size(); ++label) {
     if (pixels[label].size() < 3) continue;

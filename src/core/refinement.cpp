@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/refinement.h"
 
+#include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/lanes.h"
 
 #include <algorithm>
@@ -320,14 +321,18 @@ void splitComponents(int gap_rows, int gap_cols, LabelImage& labels) {
     int begin, end, parent;
     std::int32_t label;
   };
+  struct Stretch {  // of pixels without a gap
+    int begin, end, run;
+  };
   std::vector<Run> runs;
+  std::vector<Stretch> stretches;
   std::vector<int> row_begin(static_cast<std::size_t>(labels.rows) + 1, 0);
-  std::vector<int> run_of(labels.labels.size(), -1);
   for (int r = 0; r < labels.rows; ++r) {
     row_begin[r] = static_cast<int>(runs.size());
-    for (int c = 0; c < labels.cols; ++c) {
-      const std::size_t i = static_cast<std::size_t>(r) * labels.cols + c;
-      const std::int32_t label = labels.labels[i];
+    const int first = r * labels.cols;
+    for (int c = 0, end = 0; c < labels.cols; c = end) {
+      end = runEnd(labels.labels.data() + first, c, labels.cols);
+      const std::int32_t label = labels.labels[first + c];
       if (label == 0) continue;
       int run = -1;
       for (int k = static_cast<int>(runs.size()) - 1; k >= row_begin[r] && runs[k].end + gap_cols >= c; --k) {
@@ -340,8 +345,8 @@ void splitComponents(int gap_rows, int gap_cols, LabelImage& labels) {
         run = static_cast<int>(runs.size());
         runs.push_back({c, c, run, label});
       }
-      runs[run].end = c + 1;
-      run_of[i] = run;
+      runs[run].end = end;
+      stretches.push_back({first + c, first + end, run});
     }
   }
   row_begin[labels.rows] = static_cast<int>(runs.size());
@@ -354,8 +359,8 @@ void splitComponents(int gap_rows, int gap_cols, LabelImage& labels) {
       int above = row_begin[r - back];
       const int above_end = row_begin[r - back + 1];
       for (int k = row_begin[r]; k < row_begin[r + 1]; ++k) {
-        for (int j = above; j < above_end; ++j) {
-          if (runs[j].label != runs[k].label || runs[j].begin >= runs[k].end || runs[k].begin >= runs[j].end) continue;
+        for (int j = above; j < above_end && runs[j].begin < runs[k].end; ++j) {
+          if (runs[j].label != runs[k].label || runs[k].begin >= runs[j].end) continue;
           const int a = find(j), b = find(k);
           runs[std::max(a, b)].parent = std::min(a, b);
         }
@@ -365,11 +370,10 @@ void splitComponents(int gap_rows, int gap_cols, LabelImage& labels) {
   }
   std::vector<std::int32_t> renamed(runs.size(), 0);
   std::int32_t next = 0;
-  for (std::size_t i = 0; i < run_of.size(); ++i) {
-    if (run_of[i] < 0) continue;
-    const int root = find(run_of[i]);
-    if (renamed[root] == 0) renamed[root] = ++next;
-    labels.labels[i] = renamed[root];
+  for (const Stretch& stretch : stretches) {
+    std::int32_t& name = renamed[find(stretch.run)];
+    if (name == 0) name = ++next;
+    std::fill(labels.labels.begin() + stretch.begin, labels.labels.begin() + stretch.end, name);
   }
 }
 
