@@ -10,6 +10,7 @@ namespace ppc {
 namespace {
 
 constexpr int kMinPatchPoints = 6;
+constexpr int kInflationPatches = 3000;
 
 double excess(const Moments& a, const PlaneFit& fit_a, const Moments& b, const PlaneFit& fit_b) {
   return fitPlane(a + b).chi2 - fit_a.chi2 - fit_b.chi2;
@@ -35,6 +36,7 @@ void weighPatches(const NoiseModel& noise, PatchGrid& grid) {
   for (Patch& patch : grid.patches) {
     const double sigma = noise.sigma(patch.range);
     patch.moments.scale(1.0 / (sigma * sigma));
+    patch.fit.chi2 /= sigma * sigma;
   }
 }
 
@@ -43,7 +45,6 @@ void gatePatches(const NoiseModel& noise, const CoplanarityTolerance& tolerance,
     patch.planar = false;
     const int pixels = (patch.row_end - patch.row_begin) * (patch.col_end - patch.col_begin);
     if (patch.moments.n < std::max(kMinPatchPoints, pixels / 3)) continue;
-    patch.fit = fitPlane(patch.moments);
     const double sigma = noise.sigma(patch.range);
     const double dof = patch.moments.n - 3;
     const double sec2 = secantSquared(patch.fit.a, patch.range);
@@ -54,7 +55,9 @@ void gatePatches(const NoiseModel& noise, const CoplanarityTolerance& tolerance,
 
 double estimateInflation(const PatchGrid& grid) {
   std::vector<double> excesses;
-  for (int i = 0; i < static_cast<int>(grid.patches.size()); ++i) {
+  const int count = static_cast<int>(grid.patches.size());
+  const int stride = std::max(1, count / kInflationPatches);  // a sample tells as much as all
+  for (int i = 0; i < count; i += stride) {
     const Patch& patch = grid.patches[i];
     if (!patch.planar) continue;
     grid.forEachNeighbour(i, [&](int j) {
@@ -77,7 +80,7 @@ PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const
   out.cluster_of.assign(n, -1);
 
   // Seeds: patches whose whole neighbourhood is flat come first; there the first steps are safe.
-  std::vector<double> roughness(n, 1e30);
+  std::vector<double> roughness(n, 1e30), radius(n, 0.0);
   std::vector<int> seeds;
   for (int i = 0; i < n; ++i) {
     const Patch& patch = grid.patches[i];
@@ -90,10 +93,12 @@ PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const
       --missing;
     });
     roughness[i] = fitPlane(around).chi2 / std::max(1, around.n - 3) + std::max(0, missing);
+    radius[i] = patch.moments.radius();
     seeds.push_back(i);
   }
   std::stable_sort(seeds.begin(), seeds.end(), [&](int a, int b) { return roughness[a] < roughness[b]; });
 
+  const double greatest = greatestMisfit(threshold);
   const bool plain = !comparison.running_plane || !comparison.noise_aware;
   std::vector<int> queue;
   for (const int seed : seeds) {
@@ -116,9 +121,9 @@ PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const
         } else {
           const double sigma = noise.sigma(patch.range);
           const double precision = std::min(patch.moments.n, cluster.moments.n) / (sigma * sigma);
-          const double s = similarity(fit.chi2 - cluster.fit.chi2 - patch.fit.chi2, precision, patch.moments.radius(),
-                                      secantSquared(fit.a, patch.range), tolerance);
-          if (s < threshold) return;
+          const double cost = misfit(fit.chi2 - cluster.fit.chi2 - patch.fit.chi2, precision, radius[j],
+                                     secantSquared(fit.a, patch.range), tolerance);
+          if (cost > greatest) return;
         }
         cluster.moments = joint;
         cluster.fit = fit;

@@ -47,7 +47,7 @@ NoiseModel NoiseModel::estimate(const PatchGrid& patches, const SensorModel& sen
   for (const Patch& patch : patches.patches) {
     if (patch.moments.n < kMinPoints) continue;
     const double dof = patch.moments.n - 3;
-    variances[binOf(patch.range)].push_back(fitPlane(patch.moments).chi2 / dof / quantileFactor(dof));
+    variances[binOf(patch.range)].push_back(patch.fit.chi2 / dof / quantileFactor(dof));
   }
   // Thin bins borrow from their neighbours, nearest first.
   std::vector<double> pool;

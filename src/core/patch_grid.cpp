@@ -116,6 +116,7 @@ PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, 
       const BlockMoments sums = done == nullptr ? sum(patch, [](int, int) { return fillMask(-1); }) : sum(patch, open);
       patch.moments = sums.moments;
       patch.range = sums.meanRange();
+      if (patch.moments.n > 0) patch.fit = fitPlane(patch.moments);
       const bool kept = done == nullptr || patch.moments.n > 0;
       out.patch_of_block.push_back(kept ? static_cast<int>(out.patches.size()) : -1);
       if (kept) out.patches.push_back(patch);

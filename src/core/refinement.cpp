@@ -212,12 +212,15 @@ class PatchResolver {
   void compete(const Patch& patch, int reach, int middle, std::int32_t candidate) {
     const CellResiduals squared = residuals(middle, candidate);
     const float outlier = std::numeric_limits<float>::infinity();
+    LaneMask near = {};
     for (const WindowBeams& window : beams_) {
       const Lanes own = squared(window.beams);
       storeLanes(window.beams.valid ? own : fill(outlier), own_.at(window.row, window.x));
+      near |= window.beams.valid & (own <= fill(kMaxOwnResidual));
       const Lanes capped = own < fill(kCap) ? own : fill(kCap);
       storeLanes(window.beams.valid ? capped : Lanes{}, costs_.at(window.row, window.x));
     }
+    if (!anyLane(near)) return;
     costs_.forEachSum(patch.row_begin, patch.row_end, reach, [&](int row, int block, Lanes sum) {
       const std::size_t k = blockAt(patch, row, block);
       const Lanes mean = sum * inverse_count_[k];

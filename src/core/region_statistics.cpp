@@ -21,7 +21,7 @@ constexpr int kBlock = 64;           // pixels summed in single precision about 
 // Sums of the points of a label about its first point, so that they keep their digits far from the sensor.
 struct PointSums {
   double ox = 0, oy = 0, oz = 0;
-  double ux = 0, uy = 0, uz = 0;
+  double ux = 0, uy = 0, uz = 0;  // beams, one for each block
   double x = 0, y = 0, z = 0;
   double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
   int n = 0;
@@ -33,7 +33,7 @@ void addPoints(const BeamGrid& grid, int begin, int end, PointSums& s) {
   while (begin < end && !grid.valid(begin)) ++begin;
   if (begin == end) return;
   const Eigen::Vector3f first = grid.point(begin);
-  Lanes ux = {}, uy = {}, uz = {}, x = {}, y = {}, z = {}, xx = {}, xy = {}, xz = {}, yy = {}, yz = {}, zz = {};
+  Lanes x = {}, y = {}, z = {}, xx = {}, xy = {}, xz = {}, yy = {}, yz = {}, zz = {};
   LaneMask counted = {};
   for (int i = begin; i < end; i += kLanes) {
     const BeamLanes beam(grid, i, end - i);
@@ -41,9 +41,6 @@ void addPoints(const BeamGrid& grid, int begin, int end, PointSums& s) {
     const Lanes px = beam.valid ? beam.origin_x + beam.range * beam.dir_x - first.x() : zero;
     const Lanes py = beam.valid ? beam.origin_y + beam.range * beam.dir_y - first.y() : zero;
     const Lanes pz = beam.valid ? beam.origin_z + beam.range * beam.dir_z - first.z() : zero;
-    ux += beam.valid ? beam.dir_x : zero;
-    uy += beam.valid ? beam.dir_y : zero;
-    uz += beam.valid ? beam.dir_z : zero;
     x += px;
     y += py;
     z += pz;
@@ -64,9 +61,9 @@ void addPoints(const BeamGrid& grid, int begin, int end, PointSums& s) {
   const double n = countLanes(counted);
   const double dx = first.x() - s.ox, dy = first.y() - s.oy, dz = first.z() - s.oz;
   const double qx = sumLanes(x), qy = sumLanes(y), qz = sumLanes(z);
-  s.ux += sumLanes(ux);
-  s.uy += sumLanes(uy);
-  s.uz += sumLanes(uz);
+  s.ux += n * grid.dir_x[begin];
+  s.uy += n * grid.dir_y[begin];
+  s.uz += n * grid.dir_z[begin];
   s.x += qx + n * dx;
   s.y += qy + n * dy;
   s.z += qz + n * dz;

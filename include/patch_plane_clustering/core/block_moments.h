@@ -29,8 +29,10 @@ BlockMoments sumBlock(const BeamGrid& grid, const Eigen::Vector3d& center, int r
   for (int r = row_begin; r < row_end; ++r) {
     for (int c = col_begin; c < col_end; c += kLanes) {
       const int i = grid.index(r, c), count = col_end - c;
+      const LaneMask chosen = choose(i, count);
+      if (!anyLane(chosen & firstLanes(count))) continue;
       const BeamLanes beam(grid, i, count);
-      const LaneMask used = beam.valid & choose(i, count);
+      const LaneMask used = beam.valid & chosen;
       if (!anyLane(used)) continue;
       if (!started) {
         for (int lane = 0; !started; ++lane) {

@@ -22,10 +22,10 @@ struct PatchClusters {
   std::vector<int> cluster_of;  ///< for every patch: index of its cluster, or -1
 };
 
-/// @brief Divides the unit-noise moments of every patch by the variance of a range there. Call once.
+/// @brief Divides the unit-noise moments of every patch, and the chi-square of its fit, by the variance of a range there. Call once.
 void weighPatches(const NoiseModel& noise, PatchGrid& grid);
 
-/// @brief Marks the patches that are flat within the noise and the tolerance, and fits their planes.
+/// @brief Marks the patches that are flat within the noise and the tolerance. @param grid with weighed moments.
 void gatePatches(const NoiseModel& noise, const CoplanarityTolerance& tolerance, PatchGrid& grid);
 
 /// @brief How much more the planes of neighbouring patches differ than white noise explains: noise that is correlated along

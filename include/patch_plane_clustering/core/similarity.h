@@ -16,6 +16,13 @@ struct CoplanarityTolerance {
   double inflation = 1.0;         ///< variance of plane parameters over that of white noise (correlated errors) [1]
 };
 
+/// @brief Misfit of the coplanarity conditions: twice the negative logarithm of similarity(), whose parameters it shares.
+inline double misfit(double excess, double precision, double radius, double sec2, const CoplanarityTolerance& tolerance) {
+  const double turned = tolerance.sigma_angle * radius;
+  const double tau2 = (tolerance.sigma_distance * tolerance.sigma_distance + turned * turned) * sec2;
+  return std::max(0.0, excess) / (3.0 * tolerance.inflation + precision * tau2);
+}
+
 /// @brief Gaussian similarity of the coplanarity conditions of two pieces of surface, in (0, 1].
 ///
 /// Two pieces are coplanar if one plane serves both: the same distance and no angle between them. The misfit of these
@@ -31,10 +38,11 @@ struct CoplanarityTolerance {
 /// @param sec2 1 / cos^2 of the angle of incidence there: tolerances are across the surface, ranges along the beam.
 inline double similarity(double excess, double precision, double radius, double sec2,
                          const CoplanarityTolerance& tolerance) {
-  const double turned = tolerance.sigma_angle * radius;
-  const double tau2 = (tolerance.sigma_distance * tolerance.sigma_distance + turned * turned) * sec2;
-  return std::exp(-0.5 * std::max(0.0, excess) / (3.0 * tolerance.inflation + precision * tau2));
+  return std::exp(-0.5 * misfit(excess, precision, radius, sec2, tolerance));
 }
+
+/// The misfit at which the similarity has fallen to `threshold`: comparing misfits saves the exponential.
+inline double greatestMisfit(double threshold) { return -2.0 * std::log(threshold); }
 
 /// @brief The same without any notion of noise, as in the plain algorithm: S = exp(-1/2 ((angle / sigma_angle)^2 + (distance
 /// / sigma_distance)^2)), with the angle between two planes and their distance at one point, along their normals.
