@@ -13,6 +13,7 @@ constexpr double kGrowth = 1.25;      // of one bin to the next
 constexpr int kMinPoints = 8;         // of a patch
 constexpr int kMinPatches = 30;       // of a bin
 constexpr double kQuantile = 0.35;    // of the patches' variances: flat surfaces, not edges
+constexpr double kLeeway = 1.3;       // for such bounds
 constexpr double kMinSigma = 0.0005;  // [m] finer than any time-of-flight laser
 
 double binCenter(int bin) { return kFirst * std::pow(kGrowth, bin - 0.5); }
@@ -20,6 +21,21 @@ double binCenter(int bin) { return kFirst * std::pow(kGrowth, bin - 0.5); }
 int binOf(double range) {
   if (!(range > kFirst)) return 0;
   return std::min(kBins - 1, 1 + static_cast<int>(std::log(range / kFirst) / std::log(kGrowth)));
+}
+
+// Where few surfaces are flat, beyond windows or among leaves, even the low quantile sees edges. What flat surfaces told at
+// other ranges bounds it: noise grows no faster than the square of the range (stereo, structured light) and does not fall.
+void boundByOtherRanges(std::vector<double>& sigma) {
+  double bound = sigma[0];
+  for (int b = 1; b < kBins; ++b) {
+    bound *= kGrowth * kGrowth;
+    sigma[b] = std::min(sigma[b], kLeeway * bound);
+    bound = std::min(bound, sigma[b]);
+  }
+  for (int b = kBins - 2; b >= 0; --b) {
+    bound = std::min(bound, sigma[b + 1]);
+    sigma[b] = std::min(sigma[b], kLeeway * bound);
+  }
 }
 
 // Ratio of the 35 % quantile of chi-square / dof to its mean (Wilson and Hilferty 1931).
@@ -63,6 +79,7 @@ NoiseModel NoiseModel::estimate(const PatchGrid& patches, const SensorModel& sen
     std::nth_element(pool.begin(), at, pool.end());
     sigma[b] = std::max(kMinSigma, std::sqrt(*at));
   }
+  boundByOtherRanges(sigma);
   return NoiseModel(sigma);
 }
 

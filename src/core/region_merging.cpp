@@ -15,7 +15,11 @@ namespace {
 constexpr double kWholeTolerance = 2.0;  // tolerance over a whole region over that from patch to patch
 constexpr double kStepTolerance = 1.0;   // tolerance of a step along a border, likewise
 constexpr double kMaxRadius = 0.5;       // of a region, for the tolerance of its angle [m]
-constexpr int kBorderSteps = 2;          // depth of a border in cells
+// Regions turned by less, in tolerances of the angle, may be one bowed wall. For them:
+constexpr double kHardlyTurned = 10.0;
+constexpr double kWholeTurn = 4.0;     // tolerance of the angle over a whole region over that from patch to patch
+constexpr double kMaxBowRadius = 1.0;  // the radius for it [m]
+constexpr int kBorderSteps = 2;        // depth of a border in cells
 constexpr int kMinBorderPoints = 6;
 
 using Pair = std::pair<std::int32_t, std::int32_t>;
@@ -26,14 +30,20 @@ struct Whole {
   PlaneFit fit;
 };
 
+// One plane for both as wholes. Walls bow: regions that are hardly turned against each other may differ by more.
 double wholeSimilarity(const Whole& a, const Whole& b, const PlaneFit& joint, const NoiseModel& noise,
                        const CoplanarityTolerance& tolerance) {
   CoplanarityTolerance whole = tolerance;
   whole.sigma_distance *= kWholeTolerance;
+  double max_radius = kMaxRadius;
+  if (a.fit.normal().dot(b.fit.normal()) > std::cos(kHardlyTurned * tolerance.sigma_angle)) {
+    whole.sigma_angle *= kWholeTurn;
+    max_radius = kMaxBowRadius;
+  }
   const Moments& small = a.moments.n < b.moments.n ? a.moments : b.moments;
   const double range = small.mean().norm();
   const double sigma = noise.sigma(range);
-  return similarity(joint.chi2 - a.fit.chi2 - b.fit.chi2, small.n / (sigma * sigma), std::min(small.radius(), kMaxRadius),
+  return similarity(joint.chi2 - a.fit.chi2 - b.fit.chi2, small.n / (sigma * sigma), std::min(small.radius(), max_radius),
                     secantSquared(joint.a, range), whole);
 }
 

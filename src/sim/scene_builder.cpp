@@ -109,7 +109,7 @@ void SceneBuilder::plant(double x, double y, double height, int leaves) {
     do {
       normal = Vector3d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
     } while (normal.squaredNorm() > 1.0 || normal.squaredNorm() < 0.01);
-    scene.add(makeDisc(Vector3d(x, y, height - crown) + crown * p, normal, random.uniform(0.02, 0.06)));
+    scene.addPlane(makeDisc(Vector3d(x, y, height - crown) + crown * p, normal, random.uniform(0.02, 0.06)));
   }
 }
 

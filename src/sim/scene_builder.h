@@ -49,7 +49,7 @@ class SceneBuilder {
   void chair(double x, double y, double yaw);
   void shelf(double x, double y, double yaw, const Eigen::Vector3d& size, int boards);
 
-  /// Pot and a ball of small leaves in all directions.
+  /// Pot and a ball of small flat leaves in all directions, each a plane of its own.
   void plant(double x, double y, double height, int leaves);
 
   /// Cylinder on the floor or on something; its flat lid is a plane if `lid`.

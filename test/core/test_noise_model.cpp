@@ -64,6 +64,25 @@ TEST(NoiseModel, EstimateSeesNoiseCorrelatedAlongTheLine) {
   }
 }
 
+TEST(NoiseModel, EstimateIsNotFooledByClutterWithoutAnyFlatSurface) {
+  for (const double clutter : {7.0, 1.0}) {  // beyond the wall, and before it
+    BeamGrid grid = forwardBeams(160, 240, 0.25 * kDegree);
+    scan({wall({-1.0, 0.0, 0.0}, -3.0)}, grid);
+    addNoise(grid, 0.005);
+    std::uint32_t state = 1;
+    for (int i = 0; i < grid.size(); ++i) {
+      state = 1664525U * state + 1013904223U;
+      if (i % grid.cols > 120) grid.range[i] = static_cast<float>(clutter * (0.9 + 0.2 * (state >> 8) / 16777216.0));
+    }
+    const NoiseModel noise = NoiseModel::estimate(makePatchGrid(grid, 4, true), kWrong);
+    EXPECT_NEAR(noise.sigma(3.1), 0.005, 0.0005) << clutter;
+    // The clutter scatters by 0.06 of its range.
+    EXPECT_LT(noise.sigma(clutter), clutter > 3.0 ? 0.005 * 1.3 * 1.25 * 1.25 * std::pow(clutter / 3.0, 2) : 0.0075)
+        << clutter;
+    EXPECT_GT(noise.sigma(clutter), 0.004) << clutter;
+  }
+}
+
 TEST(NoiseModel, EstimateWithoutPointsIsTheDataSheet) {
   const NoiseModel noise = NoiseModel::estimate(makePatchGrid(forwardBeams(20, 20, 0.01), 4, true), kWrong);
   EXPECT_DOUBLE_EQ(noise.sigma(2.0), 0.05);

@@ -100,6 +100,25 @@ TEST(MergeLabels, KeepsAStepAndACrease) {
   }
 }
 
+// Two walls that meet in the middle of the image, turned against each other.
+Scene turnedWalls(double angle) {
+  const Eigen::Vector3d left(-std::cos(0.5 * angle), -std::sin(0.5 * angle), 0.0);
+  const Eigen::Vector3d right(-std::cos(0.5 * angle), std::sin(0.5 * angle), 0.0);
+  const double d = -20.0 * std::cos(0.5 * angle);
+  return Scene({surfaceOf({{left, d}, kLeft}), wall(right, d)});
+}
+
+TEST(MergeLabels, JoinsTheSlightlyTurnedHalvesOfABowedWall) {
+  Scene bowed = turnedWalls(2.5 * kDegree);  // each half is 4 m wide and leaves the joint plane by some centimetres
+  bowed.merge();
+  EXPECT_EQ(bowed.labels.labels.front(), bowed.labels.labels.back());
+  EXPECT_EQ(countOf(bowed.labels, bowed.labels.labels[0]), bowed.grid.size());
+  Scene creased = turnedWalls(6.0 * kDegree);
+  const std::vector<std::int32_t> before = creased.labels.labels;
+  creased.merge();
+  EXPECT_EQ(creased.labels.labels, before);
+}
+
 TEST(MergeLabels, KeepsPiecesApartThatDoNotTouch) {
   Scene scene({kWall}, 40);
   for (int i = 0; i < scene.grid.size(); ++i) {
