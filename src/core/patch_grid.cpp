@@ -2,6 +2,7 @@
 #include "patch_plane_clustering/core/patch_grid.h"
 
 #include "patch_plane_clustering/core/block_moments.h"
+#include "patch_plane_clustering/core/label_runs.h"
 
 #include <cmath>
 #include <cstdint>
@@ -12,6 +13,8 @@ namespace {
 // A patch near the pole may be this many times higher than wide in pixels: beyond, the lines no longer part.
 constexpr int kMaxAspect = 16;
 constexpr double kAspect = 1.3;
+// Rows whose patches are stored together: what lies together in the image is then also read together.
+constexpr int kBandRows = 32;
 
 double median(std::vector<double>& values) {
   if (values.empty()) return 0.0;
@@ -60,21 +63,18 @@ void linkNeighbours(PatchGrid& grid) {
   const auto link = [&grid](int block) {
     if (grid.patch_of_block[block] >= 0) grid.neighbours.push_back(grid.patch_of_block[block]);
   };
-  for (int strip = 0; strip < grid.strips(); ++strip) {
-    for (int block = grid.strip_begin[strip]; block < grid.strip_begin[strip + 1]; ++block) {
-      const int index = grid.patch_of_block[block];
-      if (index < 0) continue;
-      grid.neighbour_begin.push_back(static_cast<int>(grid.neighbours.size()));
-      const Patch& patch = grid.patches[index];
-      if (patch.moments.n == 0) continue;  // nothing is ever asked from there
-      if (block > grid.strip_begin[strip]) link(block - 1);
-      if (block + 1 < grid.strip_begin[strip + 1]) link(block + 1);
-      for (const int side : {strip - 1, strip + 1}) {
-        if (side < 0 || side >= grid.strips()) continue;
-        const int first = grid.strip_begin[side] + patch.row_begin / grid.strip_rows[side];
-        const int last = grid.strip_begin[side] + (patch.row_end - 1) / grid.strip_rows[side];
-        for (int i = first; i <= last; ++i) link(i);
-      }
+  for (const Patch& patch : grid.patches) {
+    grid.neighbour_begin.push_back(static_cast<int>(grid.neighbours.size()));
+    if (patch.moments.n == 0) continue;  // nothing is ever asked from there
+    const int strip = patch.col_begin / grid.strip_cols;
+    const int block = grid.strip_begin[strip] + patch.row_begin / grid.strip_rows[strip];
+    if (block > grid.strip_begin[strip]) link(block - 1);
+    if (block + 1 < grid.strip_begin[strip + 1]) link(block + 1);
+    for (const int side : {strip - 1, strip + 1}) {
+      if (side < 0 || side >= grid.strips()) continue;
+      const int first = grid.strip_begin[side] + patch.row_begin / grid.strip_rows[side];
+      const int last = grid.strip_begin[side] + (patch.row_end - 1) / grid.strip_rows[side];
+      for (int i = first; i <= last; ++i) link(i);
     }
   }
   grid.neighbour_begin.push_back(static_cast<int>(grid.neighbours.size()));
@@ -93,10 +93,7 @@ PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, 
   const auto sum = [&](const Patch& patch, auto&& choose) {
     return sumBlock(grid, out.center, patch.row_begin, patch.row_end, patch.col_begin, patch.col_end, choose);
   };
-  const auto open = [&](int i, int count) {
-    const std::int32_t* labels = done->labels.data() + i;
-    return (i + kLanes <= grid.size() ? loadLanes<LaneMask>(labels) : loadLanes<LaneMask>(labels, count)) <= LaneMask{};
-  };
+  const auto open = [&](int i, int count) { return labelsAt(*done, i, count) <= LaneMask{}; };
   out.strip_begin.push_back(0);
   for (int s = 0; s < strips; ++s) {
     int height = patch_size;
@@ -106,22 +103,31 @@ PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, 
       const double ratio = row_step > 0.0 && column_step > 0.0 ? column_step / row_step : 1.0;
       height = static_cast<int>(std::lround(std::min(kAspect * ratio, double{kMaxAspect}) * patch_size));
     }
-    out.strip_rows.push_back(std::clamp(height, 2, std::max(2, grid.rows)));
-    for (int r = 0; r < grid.rows; r += out.strip_rows.back()) {
-      Patch patch;
-      patch.row_begin = r;
-      patch.row_end = std::min(r + out.strip_rows.back(), grid.rows);
-      patch.col_begin = s * patch_size;
-      patch.col_end = std::min(patch.col_begin + patch_size, grid.cols);
-      const BlockMoments sums = done == nullptr ? sum(patch, [](int, int) { return fillMask(-1); }) : sum(patch, open);
-      patch.moments = sums.moments;
-      patch.range = sums.meanRange();
-      if (patch.moments.n > 0) patch.fit = fitPlane(patch.moments);
-      const bool kept = done == nullptr || patch.moments.n > 0;
-      out.patch_of_block.push_back(kept ? static_cast<int>(out.patches.size()) : -1);
-      if (kept) out.patches.push_back(patch);
+    height = std::clamp(height, 2, std::max(2, grid.rows));
+    out.strip_rows.push_back(height);
+    out.strip_begin.push_back(out.strip_begin.back() + (grid.rows + height - 1) / height);
+  }
+  out.patch_of_block.assign(static_cast<std::size_t>(out.strip_begin.back()), -1);
+  if (done == nullptr) out.patches.reserve(out.patch_of_block.size());
+  for (int band = 0; band < grid.rows; band += kBandRows) {
+    const int band_end = std::min(band + kBandRows, grid.rows);
+    for (int s = 0; s < strips; ++s) {
+      const int height = out.strip_rows[s];
+      for (int k = (band + height - 1) / height; k * height < band_end; ++k) {
+        Patch patch;
+        patch.row_begin = k * height;
+        patch.row_end = std::min(patch.row_begin + height, grid.rows);
+        patch.col_begin = s * patch_size;
+        patch.col_end = std::min(patch.col_begin + patch_size, grid.cols);
+        const BlockMoments sums = done == nullptr ? sum(patch, [](int, int) { return fillMask(-1); }) : sum(patch, open);
+        if (done != nullptr && sums.moments.n == 0) continue;
+        patch.moments = sums.moments;
+        patch.range = sums.meanRange();
+        if (patch.moments.n > 0) patch.fit = fitPlane(patch.moments);
+        out.patch_of_block[out.strip_begin[s] + k] = static_cast<int>(out.patches.size());
+        out.patches.push_back(patch);
+      }
     }
-    out.strip_begin.push_back(static_cast<int>(out.patch_of_block.size()));
   }
   linkNeighbours(out);
   return out;

@@ -2,6 +2,7 @@
 #include "patch_plane_clustering/core/region_merging.h"
 
 #include "patch_plane_clustering/core/block_moments.h"
+#include "patch_plane_clustering/core/label_runs.h"
 
 #include <algorithm>
 #include <cmath>
@@ -157,6 +158,19 @@ std::vector<Moments> sumShares(const CellShares& cells) {
   return sums;
 }
 
+// Whether a block of labels has the same everywhere.
+bool uniform(const std::int32_t* corner, int rows, int cols, int stride) {
+  const LaneMask label = fillMask(*corner);
+  const int whole = cols - cols % kLanes;
+  LaneMask others = {};
+  for (int r = 0; r < rows; ++r) {
+    const std::int32_t* row = corner + static_cast<std::ptrdiff_t>(r) * stride;
+    for (int c = 0; c < whole; c += kLanes) others |= loadLanes<LaneMask>(row + c) != label;
+    for (int c = whole; c < cols; ++c) others[0] |= row[c] ^ *corner;
+  }
+  return !anyLane(others);
+}
+
 // Renames the labels of the shares and adds up those that have become one in a cell.
 void rename(const std::vector<std::int32_t>& names, CellShares& cells) {
   std::size_t out = 0;
@@ -185,33 +199,13 @@ CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseM
   CellShares out;
   out.begin.reserve(cells.patches.size() + 1);
   out.shares.reserve(cells.patches.size());
-  const auto labelsAt = [&](int i, int count) {
-    const std::int32_t* at = labels.labels.data() + i;
-    const LaneMask here = i + kLanes <= grid.size() ? loadLanes<LaneMask>(at) : loadLanes<LaneMask>(at, count);
-    return here & firstLanes(count);
-  };
-  const auto firstOf = [](LaneMask here) {
-    int lane = 0;
-    while (here[lane] == 0) ++lane;
-    return here[lane];
-  };
   std::vector<std::int32_t> found;
   for (const Patch& cell : cells.patches) {
     out.begin.push_back(static_cast<int>(out.shares.size()));
-    // The usual case first: one label, whole; the patch's own sums serve.
-    std::int32_t only = 0;
-    LaneMask others = {}, labelled = {};
-    for (int r = cell.row_begin; r < cell.row_end; ++r) {
-      for (int c = cell.col_begin; c < cell.col_end; c += kLanes) {
-        const LaneMask here = labelsAt(grid.index(r, c), cell.col_end - c);
-        if (only == 0 && anyLane(here)) only = firstOf(here);
-        labelled += here > LaneMask{};
-        others |= (here > LaneMask{}) & (here != fillMask(only));
-      }
-    }
-    if (only == 0) continue;
-    if (!anyLane(others) && countLanes(labelled) == cell.moments.n) {
-      out.shares.push_back({only, cell.moments});
+    // The usual cases first: one label on all pixels, or none.
+    const std::int32_t* corner = labels.labels.data() + grid.index(cell.row_begin, cell.col_begin);
+    if (uniform(corner, cell.row_end - cell.row_begin, cell.col_end - cell.col_begin, labels.cols)) {
+      if (*corner > 0 && cell.moments.n > 0) out.shares.push_back({*corner, cell.moments});
       continue;
     }
     found.clear();
@@ -222,10 +216,13 @@ CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseM
       }
     }
     for (const std::int32_t label : found) {
-      BlockMoments sums =
-          sumBlock(grid, cells.center, cell.row_begin, cell.row_end, cell.col_begin, cell.col_end,
-                   [&](int i, int count) { return labelsAt(i, count) == fillMask(label); });
+      BlockMoments sums = sumBlock(grid, cells.center, cell.row_begin, cell.row_end, cell.col_begin, cell.col_end,
+                                   [&](int i, int count) { return labelsAt(labels, i, count) == fillMask(label); });
       if (sums.moments.n == 0) continue;
+      if (found.size() == 1 && sums.moments.n == cell.moments.n) {  // the patch's own sums serve
+        out.shares.push_back({label, cell.moments});
+        continue;
+      }
       const double sigma = noise.sigma(sums.meanRange());
       sums.moments.scale(1.0 / (sigma * sigma));
       out.shares.push_back({label, sums.moments});

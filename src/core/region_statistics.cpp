@@ -16,7 +16,7 @@ namespace {
 
 constexpr float kMinCosine = 0.02F;  // of incidence: the residual along a beam says nothing about a plane seen edge-on
 
-constexpr int kBlock = 64;           // pixels summed in single precision about a point of their own
+constexpr int kBlock = 64;  // pixels summed in single precision about a point of their own
 
 // Sums of the points of a label about its first point, so that they keep their digits far from the sensor.
 struct PointSums {

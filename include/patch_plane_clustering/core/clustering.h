@@ -22,7 +22,8 @@ struct PatchClusters {
   std::vector<int> cluster_of;  ///< for every patch: index of its cluster, or -1
 };
 
-/// @brief Divides the unit-noise moments of every patch, and the chi-square of its fit, by the variance of a range there. Call once.
+/// @brief Divides the unit-noise moments of every patch, and the chi-square of its fit, by the variance of a range there.
+/// Call once.
 void weighPatches(const NoiseModel& noise, PatchGrid& grid);
 
 /// @brief Marks the patches that are flat within the noise and the tolerance. @param grid with weighed moments.

@@ -31,6 +31,13 @@ void forEachRun(const LabelImage& labels, F&& f) {
   }
 }
 
+/// Four labels from pixel i on; those beyond the image are 0.
+inline LaneMask labelsAt(const LabelImage& labels, int i, int count) {
+  const std::int32_t* at = labels.labels.data() + i;
+  const bool inside = i + kLanes <= static_cast<int>(labels.labels.size());
+  return inside ? loadLanes<LaneMask>(at) : loadLanes<LaneMask>(at, count);
+}
+
 /// The largest label of an image; 0 if there is none.
 inline std::int32_t highestLabel(const LabelImage& labels) {
   std::int32_t highest = 0;

@@ -9,8 +9,8 @@
 
 namespace ppc {
 
-/// @file Four pixels of a row at a time, in the vector registers that every x86-64 and arm64 processor has (a vector extension
-/// that GCC and Clang share). Comparisons give masks; `mask ? a : b` chooses lane by lane.
+/// @file Four pixels of a row at a time, in the vector registers that every x86-64 and arm64 processor has (a vector
+/// extension that GCC and Clang share). Comparisons give masks; `mask ? a : b` chooses lane by lane.
 constexpr int kLanes = 4;
 using Lanes = float __attribute__((vector_size(16)));
 using LaneMask = std::int32_t __attribute__((vector_size(16)));  ///< per lane 0 or -1 (all bits)
