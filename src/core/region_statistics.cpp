@@ -91,18 +91,16 @@ PlanarRegion describe(std::int32_t id, const PointSums& s) {
   Eigen::Vector3d normal = eigen.eigenvectors().col(0);
   if (normal.dot(Eigen::Vector3d(s.ux, s.uy, s.uz)) > 0.0) normal = -normal;
   region.plane = {normal, normal.dot(region.centroid)};
-  const double residual = std::max(0.0, eigen.eigenvalues()[0]);
-  region.rms = std::sqrt(residual / n);
 
-  // Rotations about the in-plane axes and the offset at the centroid are independent; d follows from both.
-  const double variance = residual / std::max(1.0, n - 3.0);
+  // Rotations about the in-plane axes and the offset at the centroid are independent; d follows from both. For residuals of
+  // unit variance: theirs follows.
   Eigen::Matrix<double, 4, 3> jacobian = Eigen::Matrix<double, 4, 3>::Zero();
-  Eigen::Vector3d variances(0.0, 0.0, variance / n);
+  Eigen::Vector3d variances(0.0, 0.0, 1.0 / n);
   for (int k = 1; k <= 2; ++k) {
     const Eigen::Vector3d axis = eigen.eigenvectors().col(k);
     jacobian.block<3, 1>(0, k - 1) = axis;
     jacobian(3, k - 1) = axis.dot(region.centroid);
-    variances[k - 1] = eigen.eigenvalues()[k] > 0.0 ? variance / eigen.eigenvalues()[k] : 0.0;
+    variances[k - 1] = eigen.eigenvalues()[k] > 0.0 ? 1.0 / eigen.eigenvalues()[k] : 0.0;
   }
   jacobian(3, 2) = 1.0;
   region.covariance = jacobian * variances.asDiagonal() * jacobian.transpose();
@@ -116,6 +114,7 @@ struct BeamSums {
   double aa = 0, ab = 0, ac = 0, bb = 0, bc = 0, cc = 0;  // products of the rows of the Jacobian
   double ra = 0, rb = 0, rc = 0;                          // with the residuals
   double squares = 0.0;                                   // of the residuals along the beams
+  double across = 0.0;                                    // squares of the distances from the plane, of all points
   int n = 0;
 };
 
@@ -123,7 +122,7 @@ struct BeamSums {
 void addBeams(const BeamGrid& grid, int begin, int end, const PlanarRegion& region, BeamSums& s) {
   const Eigen::Vector3f n = region.plane.normal.cast<float>(), center = region.centroid.cast<float>();
   const Eigen::Vector3f t1 = s.tangent1.cast<float>(), t2 = s.tangent2.cast<float>();
-  Lanes aa = {}, ab = {}, ac = {}, bb = {}, bc = {}, cc = {}, ra = {}, rb = {}, rc = {}, squares = {};
+  Lanes aa = {}, ab = {}, ac = {}, bb = {}, bc = {}, cc = {}, ra = {}, rb = {}, rc = {}, squares = {}, across = {};
   LaneMask counted = {};
   for (int i = begin; i < end; i += kLanes) {
     const BeamLanes beam(grid, i, end - i);
@@ -132,7 +131,10 @@ void addBeams(const BeamGrid& grid, int begin, int end, const PlanarRegion& regi
     const Lanes inverse = used ? 1.0F / cosine : Lanes{};
     // From the centroid, not from the frame's origin: short distances keep their digits.
     const Lanes ox = beam.origin_x - center.x(), oy = beam.origin_y - center.y(), oz = beam.origin_z - center.z();
-    const Lanes range = -(n.x() * ox + n.y() * oy + n.z() * oz) * inverse;
+    const Lanes height = n.x() * ox + n.y() * oy + n.z() * oz;
+    const Lanes distance = beam.valid ? height + beam.range * cosine : Lanes{};
+    across += distance * distance;
+    const Lanes range = -height * inverse;
     const Lanes residual = used ? beam.range - range : Lanes{};
     const Lanes qx = ox + range * beam.dir_x, qy = oy + range * beam.dir_y, qz = oz + range * beam.dir_z;
     // n' = n + alpha t1 + beta t2, offset gamma at the centroid: d range = (gamma - alpha t1.q - beta t2.q) / (n.u)
@@ -160,6 +162,7 @@ void addBeams(const BeamGrid& grid, int begin, int end, const PlanarRegion& regi
   s.rb += sumLanes(rb);
   s.rc += sumLanes(rc);
   s.squares += sumLanes(squares);
+  s.across += sumLanes(across);
   s.n += countLanes(counted);
 }
 
@@ -214,7 +217,11 @@ std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage
   forEachBlock(labels, [&](std::int32_t label, int begin, int end) {
     if (index[label] >= 0) addBeams(grid, begin, end, regions[index[label]], beams[index[label]]);
   });
-  for (std::size_t k = 0; k < regions.size(); ++k) refineAlongBeams(beams[k], regions[k]);
+  for (std::size_t k = 0; k < regions.size(); ++k) {
+    regions[k].rms = std::sqrt(beams[k].across / regions[k].points);
+    regions[k].covariance *= beams[k].across / std::max(1, regions[k].points - 3);
+    refineAlongBeams(beams[k], regions[k]);
+  }
   return regions;
 }
 
