@@ -59,7 +59,12 @@ SampledRegion sampleRegion(const BeamGrid& grid, std::int32_t id, int points, in
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const int i : pixels) {
     const Eigen::Vector3d p = grid.point(i).cast<double>() - mean;
-    scatter.selfadjointView<Eigen::Lower>().rankUpdate(p);
+    scatter(0, 0) += p.x() * p.x();
+    scatter(1, 0) += p.y() * p.x();
+    scatter(2, 0) += p.z() * p.x();
+    scatter(1, 1) += p.y() * p.y();
+    scatter(2, 1) += p.z() * p.y();
+    scatter(2, 2) += p.z() * p.z();
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);
   Eigen::Vector3d normal = eigen.eigenvectors().col(0);
@@ -288,7 +293,7 @@ void dropCurvedRegions(const BeamGrid& grid, const NoiseModel& noise, const Copl
       renamed[strip] = host;
     }
   }
-  for (std::int32_t& label : labels.labels) label = renamed[label];
+  renameLabels(renamed, labels);
 }
 
 }  // namespace ppc

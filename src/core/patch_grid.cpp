@@ -13,6 +13,7 @@ namespace {
 // A patch near the pole may be this many times higher than wide in pixels: beyond, the lines no longer part.
 constexpr int kMaxAspect = 16;
 constexpr double kAspect = 1.3;
+constexpr int kStepCols = 8;  // columns between those where the step from row to row is measured
 // Rows whose patches are stored together: what lies together in the image is then also read together.
 constexpr int kBandRows = 32;
 
@@ -41,13 +42,28 @@ double columnStep(const BeamGrid& grid) {
 // Median angle between vertical neighbours in one column.
 double rowStep(const BeamGrid& grid, int col) {
   std::vector<double> steps;
-  const int stride = std::max(1, grid.rows / 64);
+  const int stride = std::max(1, grid.rows / 32);
   for (int r = 0; r + 1 < grid.rows; r += stride) {
     const int i = grid.index(r, col);
     const int below = grid.index(r + 1, col);
     if (grid.beams_exact || (grid.valid(i) && grid.valid(below))) steps.push_back(angleBetween(grid, i, below));
   }
   return median(steps);
+}
+
+// Steps between the rows at columns kStepCols apart, 0 where there is none to go by.
+std::vector<double> rowSteps(const BeamGrid& grid) {
+  std::vector<double> steps;
+  for (int c = 0; c < grid.cols + kStepCols - 1; c += kStepCols) steps.push_back(rowStep(grid, std::min(c, grid.cols - 1)));
+  return steps;
+}
+
+double interpolate(const std::vector<double>& steps, int col) {
+  const auto k = static_cast<std::size_t>(col / kStepCols);
+  if (k + 1 >= steps.size()) return steps.back();
+  if (!(steps[k] > 0.0) || !(steps[k + 1] > 0.0)) return std::max(steps[k], steps[k + 1]);
+  const double share = static_cast<double>(col % kStepCols) / kStepCols;
+  return (1.0 - share) * steps[k] + share * steps[k + 1];
 }
 
 Eigen::Vector3d sensorCenter(const BeamGrid& grid) {
@@ -89,7 +105,8 @@ PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, 
   out.strip_cols = patch_size;
   out.center = sensorCenter(grid);
   const int strips = (grid.cols + patch_size - 1) / patch_size;
-  const double column_step = columnStep(grid);
+  const double column_step = equal_angle ? columnStep(grid) : 0.0;
+  const std::vector<double> row_steps = equal_angle ? rowSteps(grid) : std::vector<double>();
   const auto sum = [&](const Patch& patch, auto&& choose) {
     return sumBlock(grid, out.center, patch.row_begin, patch.row_end, patch.col_begin, patch.col_end, choose);
   };
@@ -98,7 +115,7 @@ PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, 
   for (int s = 0; s < strips; ++s) {
     int height = patch_size;
     if (equal_angle) {
-      const double row_step = rowStep(grid, std::min(s * patch_size + patch_size / 2, grid.cols - 1));
+      const double row_step = interpolate(row_steps, std::min(s * patch_size + patch_size / 2, grid.cols - 1));
       // Also without any step to go by (one row, no valid pair) the patch stays square.
       const double ratio = row_step > 0.0 && column_step > 0.0 ? column_step / row_step : 1.0;
       height = static_cast<int>(std::lround(std::min(kAspect * ratio, double{kMaxAspect}) * patch_size));

@@ -89,9 +89,15 @@ class Neighbourhood {
 
 void paint(const BeamGrid& grid, const Patch& patch, std::int32_t label, LabelImage& out) {
   for (int r = patch.row_begin; r < patch.row_end; ++r) {
-    for (int c = patch.col_begin; c < patch.col_end; ++c) {
-      const int i = grid.index(r, c);
-      if (grid.valid(i)) out.labels[i] = label;
+    const int i = grid.index(r, patch.col_begin), cols = patch.col_end - patch.col_begin;
+    std::int32_t* labels = out.labels.data() + i;
+    if (cols == kLanes) {  // the default
+      const LaneMask painted = loadLanes<Lanes>(grid.range.data() + i) > Lanes{} ? fillMask(label) : LaneMask{};
+      std::memcpy(labels, &painted, sizeof painted);
+      continue;
+    }
+    for (int c = 0; c < cols; ++c) {
+      if (grid.valid(i + c)) labels[c] = label;
     }
   }
 }

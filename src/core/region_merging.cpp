@@ -6,8 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
-#include <tuple>
 #include <utility>
 
 namespace ppc {
@@ -75,12 +75,15 @@ std::vector<int> borderCells(const PatchGrid& cells, const CellShares& all) {
   return found;
 }
 
-// A pair of labels that meet, at a cell.
+// A pair of labels that meet, at two cells or in one.
 struct Meeting {
-  Pair pair;
-  int cell;
-  bool operator<(const Meeting& o) const { return std::tie(pair, cell) < std::tie(o.pair, o.cell); }
-  bool operator==(const Meeting& o) const { return pair == o.pair && cell == o.cell; }
+  std::uint64_t key;  // both labels in one number, quick to sort by
+  int cell, other;
+
+  static std::uint64_t keyOf(std::int32_t a, std::int32_t b) {
+    return static_cast<std::uint64_t>(std::min(a, b)) << 32U | static_cast<std::uint64_t>(std::max(a, b));
+  }
+  Pair pair() const { return {static_cast<std::int32_t>(key >> 32U), static_cast<std::int32_t>(key & 0xffffffffU)}; }
 };
 
 // Where labels meet of which at least one is fresh; in ascending pairs. `names`: what the labels of the shares have become.
@@ -93,9 +96,7 @@ std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellShares& all,
       const auto meet = [&](int t, int j) {
         const std::int32_t b = names[all.shares[t].label];
         if (a == b || !(fresh[a] || fresh[b])) return;
-        const Pair pair{std::min(a, b), std::max(a, b)};
-        meetings.push_back({pair, i});
-        if (j != i) meetings.push_back({pair, j});
+        meetings.push_back({Meeting::keyOf(a, b), i, j});
       };
       for (int t = s + 1; t < all.begin[i + 1]; ++t) meet(t, i);
       cells.forEachNeighbour(i, [&](int j) {
@@ -104,8 +105,7 @@ std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellShares& all,
       });
     }
   }
-  std::sort(meetings.begin(), meetings.end());
-  meetings.erase(std::unique(meetings.begin(), meetings.end()), meetings.end());
+  std::stable_sort(meetings.begin(), meetings.end(), [](const Meeting& a, const Meeting& b) { return a.key < b.key; });
   return meetings;
 }
 
@@ -123,7 +123,11 @@ class BorderSums {
       reached_[i] = border_;
       wave_.push_back(i);
     };
-    for (const Meeting* at = begin; at != end; ++at) take(at->cell);
+    for (const Meeting* at = begin; at != end; ++at) {
+      take(at->cell);
+      take(at->other);
+    }
+    const Pair pair = begin->pair();
     std::size_t next = 0;
     for (int step = 0; step < kBorderSteps; ++step) {
       const std::size_t last = wave_.size();
@@ -133,8 +137,8 @@ class BorderSums {
     for (const int i : wave_) {
       for (int s = all_.begin[i]; s < all_.begin[i + 1]; ++s) {
         const std::int32_t label = names_[all_.shares[s].label];
-        if (label == begin->pair.first) sums.first += all_.shares[s].moments;
-        if (label == begin->pair.second) sums.second += all_.shares[s].moments;
+        if (label == pair.first) sums.first += all_.shares[s].moments;
+        if (label == pair.second) sums.second += all_.shares[s].moments;
       }
     }
     return sums;
@@ -251,8 +255,8 @@ void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const Coplanar
     std::vector<std::pair<double, Pair>> candidates;
     const std::vector<Meeting> meetings = findMeetings(cells, shares, border, names, fresh);
     for (std::size_t begin = 0, end = 0; begin < meetings.size(); begin = end) {
-      const Pair pair = meetings[begin].pair;
-      while (end < meetings.size() && meetings[end].pair == pair) ++end;
+      const Pair pair = meetings[begin].pair();
+      while (end < meetings.size() && meetings[end].key == meetings[begin].key) ++end;
       const Whole& a = whole[pair.first];
       const Whole& b = whole[pair.second];
       const PlaneFit joint = fitPlane(a.moments + b.moments);
@@ -279,7 +283,7 @@ void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const Coplanar
     fresh = changed;
   }
   rename(names, shares);
-  for (std::int32_t& label : labels.labels) label = names[label];
+  renameLabels(names, labels);
 }
 
 }  // namespace ppc

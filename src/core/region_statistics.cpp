@@ -226,16 +226,17 @@ std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage
 }
 
 int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels) {
-  std::int32_t highest = 0;
-  for (const std::int32_t label : labels.labels) highest = std::max(highest, label);
+  for (int i = 0; i < grid.size(); ++i) {
+    const std::int32_t label = labels.labels[i];
+    labels.labels[i] = grid.valid(i) && label > 0 ? label : 0;
+  }
+  const std::int32_t highest = highestLabel(labels);
   std::vector<int> count(static_cast<std::size_t>(highest) + 1, 0);
   std::vector<int> first(count.size(), grid.size());
-  for (int i = grid.size() - 1; i >= 0; --i) {
-    std::int32_t& label = labels.labels[i];
-    if (!grid.valid(i) || label < 0) label = 0;
-    ++count[label];
-    first[label] = i;
-  }
+  forEachRun(labels, [&](std::int32_t label, int begin, int end) {
+    count[label] += end - begin;
+    first[label] = std::min(first[label], begin);
+  });
   std::vector<std::int32_t> order(static_cast<std::size_t>(highest));
   std::iota(order.begin(), order.end(), 1);
   std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
@@ -246,7 +247,7 @@ int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels) {
   for (const std::int32_t label : order) {
     if (count[label] >= std::max(1, min_size)) renamed[label] = ++n;
   }
-  for (std::int32_t& label : labels.labels) label = renamed[label];
+  renameLabels(renamed, labels);
   return n;
 }
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <vector>
 
 namespace ppc {
 
@@ -36,6 +37,16 @@ inline LaneMask labelsAt(const LabelImage& labels, int i, int count) {
   const std::int32_t* at = labels.labels.data() + i;
   const bool inside = i + kLanes <= static_cast<int>(labels.labels.size());
   return inside ? loadLanes<LaneMask>(at) : loadLanes<LaneMask>(at, count);
+}
+
+/// Replaces every label by names[label].
+inline void renameLabels(const std::vector<std::int32_t>& names, LabelImage& labels) {
+  const int n = static_cast<int>(labels.labels.size());
+  for (int begin = 0, end = 0; begin < n; begin = end) {
+    const std::int32_t label = labels.labels[begin];
+    end = runEnd(labels.labels.data(), begin, n);
+    if (names[label] != label) std::fill(labels.labels.begin() + begin, labels.labels.begin() + end, names[label]);
+  }
 }
 
 /// The largest label of an image; 0 if there is none.
