@@ -10,12 +10,13 @@
 namespace ppc {
 namespace {
 
-constexpr double kClockJump = 1.0;             // [s]
-constexpr std::size_t kJumpConfirmations = 3;  // lines in a row
+constexpr double kClockJump = 1.0;         // [s]
+constexpr std::size_t kConfirmations = 3;  // lines that tell the time: fewer may be strays
 constexpr double kLongAgo = -std::numeric_limits<double>::infinity();
 
 DropCause causeOf(PoseStatus status) {
   switch (status) {
+    case PoseStatus::kWait:
     case PoseStatus::kNoTilt:
       return DropCause::kNoTilt;
     case PoseStatus::kTiltGap:
@@ -41,6 +42,8 @@ const char* sweepEndName(SweepEnd end) {
       return "line gap";
     case SweepEnd::kStanding:
       return "standing tilt";
+    case SweepEnd::kTiltJump:
+      return "tilt jump";
     case SweepEnd::kMaxLines:
       return "most lines";
   }
@@ -72,7 +75,7 @@ std::string SweepAssembler::push(ScanLine line) {
       suspects_.clear();
     }
     suspects_.push_back(std::move(line));
-    if (suspects_.size() >= kJumpConfirmations) resetClock();
+    if (suspects_.size() >= kConfirmations) resetClock();
   } else {
     drop(DropCause::kOutOfOrder, suspects_.size());
     suspects_.clear();
@@ -90,6 +93,8 @@ void SweepAssembler::resetClock() {
   splitter_.restart();
   standing_ = -1;
   last_placed_ = kLongAgo;
+  poses_.resetClock(suspects_.back().stamp);
+  clock_resets_ = poses_.clockResets();
   for (ScanLine& line : suspects_) enqueue(std::move(line));
   suspects_.clear();
 }
@@ -103,10 +108,35 @@ void SweepAssembler::enqueue(ScanLine line) {
 }
 
 void SweepAssembler::process() {
+  if (poses_.jumps() != jumps_) recheckAfterJump();
+  if (poses_.clockResets() != clock_resets_) dropWaiting();
+  placeWaiting();
+  while (queue_.size() > static_cast<std::size_t>(options_.max_queue)) {
+    // The first to arrive, not the first in time: lines with a stamp in the far future must not starve the others.
+    queue_.erase(std::min_element(queue_.begin(), queue_.end(),
+                                  [](const WaitingLine& a, const WaitingLine& b) { return a.arrival < b.arrival; }));
+    drop(DropCause::kQueueFull);
+  }
+}
+
+bool SweepAssembler::overdue() {
+  const auto late = [this] {
+    return queue_.size() > kConfirmations &&
+           queue_[queue_.size() - kConfirmations].line.stamp - queue_.front().line.stamp > options_.max_wait;
+  };
+  if (late()) dropHopeless();
+  return late();
+}
+
+void SweepAssembler::placeWaiting() {
+  waits_for_ = PoseStatus::kReady;
   while (!queue_.empty()) {
     PlacedLine placed;
     const PoseStatus status = place(queue_.front().line, placed);
-    if (status == PoseStatus::kWait) break;
+    if (waits(status) && !overdue()) {
+      waits_for_ = status;
+      break;
+    }
     placed.line = std::move(queue_.front().line);
     queue_.pop_front();
     if (status == PoseStatus::kReady) {
@@ -116,12 +146,36 @@ void SweepAssembler::process() {
       drop(causeOf(status));
     }
   }
-  while (queue_.size() > static_cast<std::size_t>(options_.max_queue)) {
-    // The first to arrive, not the first in time: lines with a stamp in the far future must not starve the others.
-    queue_.erase(std::min_element(queue_.begin(), queue_.end(),
-                                  [](const WaitingLine& a, const WaitingLine& b) { return a.arrival < b.arrival; }));
-    drop(DropCause::kQueueFull);
+}
+
+// Lines with a stamp in the far future never come to the front, and would make all others look overdue.
+void SweepAssembler::dropHopeless() {
+  LaserPose pose;
+  while (queue_.size() > 1) {
+    const PoseStatus status = poses_.at(queue_.back().line.lastStamp(), pose);
+    if (waits(status) || status == PoseStatus::kReady) return;
+    queue_.pop_back();
+    drop(causeOf(status));
   }
+}
+
+// The samples that these lines wait for will never come; those that come are of other times.
+void SweepAssembler::dropWaiting() {
+  clock_resets_ = poses_.clockResets();
+  drop(DropCause::kClockReset, queue_.size());
+  queue_.clear();
+}
+
+void SweepAssembler::recheckAfterJump() {
+  jumps_ = poses_.jumps();
+  PlacedLine placed;
+  while (!open_.empty()) {
+    const PoseStatus status = place(open_.back().line, placed);
+    if (status != PoseStatus::kTiltGap) break;
+    open_.pop_back();
+    drop(DropCause::kTiltGap);
+  }
+  close(SweepEnd::kTiltJump);
 }
 
 PoseStatus SweepAssembler::place(const ScanLine& line, PlacedLine& placed) const {

@@ -30,7 +30,7 @@ PoseStatus TiltPoseSource::at(double stamp, LaserPose& pose) {
     case TiltTrack::Status::kReady:
       break;
   }
-  if (!mount_) return PoseStatus::kWait;
+  if (!mount_) return PoseStatus::kWaitTransform;
   pose.pose = tilting(tilt) * *mount_;
   pose.base = Eigen::Isometry3d::Identity();
   pose.tilt = tilt;

@@ -10,6 +10,10 @@ namespace {
 constexpr double kTurn = 6.283185307179586;
 constexpr double kAngleSlack = 0.05;       // encoder noise must not look like speed when two stamps nearly coincide [rad]
 constexpr std::size_t kConfirmations = 3;  // samples in a row that make a jump credible
+constexpr double kFarBack = 1.0;           // [s]
+constexpr double kAlike = 1e-7;            // [rad]
+constexpr std::size_t kFrozenSteps = 2;    // steps without motion that may be a frozen encoder
+constexpr std::size_t kSteadySteps = 3;    // steps before them that tell the speed
 
 }  // namespace
 
@@ -25,9 +29,59 @@ bool TiltTrack::follows(const Sample& previous, const Sample& next) const {
 void TiltTrack::append(const Sample& sample, bool after_jump) {
   double angle = sample.angle;
   if (!samples_.empty()) angle = samples_.back().angle + std::remainder(angle - samples_.back().angle, kTurn);
-  samples_.push_back({sample.stamp, angle, after_jump});
+  samples_.push_back({sample.stamp, angle, after_jump, false});
   while (samples_.size() > std::max<std::size_t>(2, options_.capacity)) samples_.pop_front();
   ++counts_.accepted;
+}
+
+// Index of the first of the newest samples that are all alike: there the motor was seen to move last.
+std::size_t TiltTrack::frozenFrom() const {
+  std::size_t first = samples_.size() - 1;
+  while (first > 0 && std::abs(samples_[first - 1].angle - samples_.back().angle) <= kAlike) --first;
+  return first;
+}
+
+// True if the newest samples are alike but the motor went on as before, which `sample` shows.
+bool TiltTrack::thawsWith(const Sample& sample) const {
+  const std::size_t last = samples_.size() - 1;
+  if (last < kFrozenSteps + kSteadySteps || std::abs(samples_[last - 1].angle - samples_[last].angle) > kAlike ||
+      std::abs(std::remainder(sample.angle - samples_[last].angle, kTurn)) <= kAlike) {
+    return false;
+  }
+  const std::size_t first = frozenFrom();
+  if (last - first < kFrozenSteps || first < kSteadySteps) return false;
+  const Sample& begin = samples_[first - kSteadySteps];
+  const Sample& stop = samples_[first];
+  const double speed = (stop.angle - begin.angle) / (stop.stamp - begin.stamp);
+  for (std::size_t i = first - kSteadySteps + 1; i <= first; ++i) {
+    const double step = samples_[i].angle - samples_[i - 1].angle;
+    const double steady = speed * (samples_[i].stamp - samples_[i - 1].stamp);
+    if (std::abs(step - steady) > 0.5 * std::abs(steady)) return false;
+  }
+  const double leap = std::remainder(sample.angle - stop.angle, kTurn);
+  const double foreseen = speed * (sample.stamp - stop.stamp);
+  const double one_step = speed * (sample.stamp - samples_[last].stamp);
+  return std::abs(leap) > 3.0 * std::abs(one_step) && std::abs(leap - foreseen) <= 0.5 * std::abs(foreseen);
+}
+
+void TiltTrack::discardFrozen() {
+  for (std::size_t i = frozenFrom() + 1; i < samples_.size(); ++i) samples_[i].frozen = samples_[i].after_jump = true;
+}
+
+void TiltTrack::resetClock(double stamp) {
+  if (samples_.empty() || samples_.back().stamp <= stamp + kFarBack) return;
+  samples_.clear();
+  suspects_.clear();
+  older_.clear();
+  ++counts_.clock_resets;
+}
+
+// Several samples in a row that are older than the newest, each later than the one before: the clock was set back a little.
+bool TiltTrack::turnsBack(const Sample& sample) {
+  ++counts_.not_newer;
+  if (!older_.empty() && sample.stamp <= older_.back().stamp) older_.clear();
+  if (sample.stamp < samples_.back().stamp) older_.push_back(sample);
+  return older_.size() >= kConfirmations;
 }
 
 void TiltTrack::add(double stamp, double angle) {
@@ -35,19 +89,30 @@ void TiltTrack::add(double stamp, double angle) {
     ++counts_.not_finite;
     return;
   }
-  const Sample sample{stamp, angle, false};
+  const Sample sample{stamp, angle, false, false};
   if (samples_.empty()) return append(sample, false);
 
   const double dt = stamp - samples_.back().stamp;
-  const bool far_back = dt < -1.0;
+  const bool far_back = dt < -kFarBack;
   if (dt <= 0.0 && !far_back) {
-    ++counts_.not_newer;
+    if (!turnsBack(sample)) return;
+    samples_.clear();
+    ++counts_.clock_resets;
+    counts_.not_newer -= older_.size();
+    for (const Sample& older : older_) append(older, false);
+    older_.clear();
     return;
   }
+  older_.clear();
   if (!far_back && follows(samples_.back(), sample)) {
     counts_.implausible += suspects_.size();
     suspects_.clear();
-    return append(sample, false);
+    const bool thaws = thawsWith(sample);
+    if (thaws) {
+      discardFrozen();
+      ++counts_.jumps;
+    }
+    return append(sample, thaws);
   }
   if (!suspects_.empty() && !(stamp > suspects_.back().stamp && follows(suspects_.back(), sample))) {
     counts_.implausible += suspects_.size();
@@ -58,9 +123,23 @@ void TiltTrack::add(double stamp, double angle) {
   if (suspects_.front().stamp <= samples_.back().stamp) {
     samples_.clear();
     ++counts_.clock_resets;
+  } else if (suspects_.front().stamp - samples_.back().stamp <= options_.max_gap) {
+    discardFrozen();
+    ++counts_.jumps;
   }
   for (std::size_t i = 0; i < suspects_.size(); ++i) append(suspects_[i], i == 0);
   suspects_.clear();
+}
+
+// True if samples are missing before the one of index `after` and a straight line across leads too far from the motion that
+// was seen before.
+bool TiltTrack::bends(std::size_t after) const {
+  if (after < 2 || samples_[after - 1].after_jump) return false;
+  const Sample &a = samples_[after - 2], &b = samples_[after - 1], &c = samples_[after];
+  const double usual = b.stamp - a.stamp, gap = c.stamp - b.stamp;
+  if (gap <= 1.5 * usual) return false;
+  const double change = (c.angle - b.angle) / gap - (b.angle - a.angle) / usual;
+  return 0.25 * std::abs(change) * gap > options_.max_bend;  // of a parabola through both ends with the speed of the first
 }
 
 TiltTrack::Status TiltTrack::lookup(double stamp, double& angle) const {
@@ -68,12 +147,14 @@ TiltTrack::Status TiltTrack::lookup(double stamp, double& angle) const {
   if (!(stamp >= samples_.front().stamp)) return Status::kTooOld;
   const auto after = std::lower_bound(samples_.begin(), samples_.end(), stamp,
                                       [](const Sample& sample, double t) { return sample.stamp < t; });
+  if (after->frozen) return Status::kGap;
   if (after->stamp == stamp) {
     angle = after->angle;
     return Status::kReady;
   }
   const Sample& before = *(after - 1);
   if (after->after_jump || after->stamp - before.stamp > options_.max_gap) return Status::kGap;
+  if (bends(static_cast<std::size_t>(after - samples_.begin()))) return Status::kGap;
   angle = before.angle + (after->angle - before.angle) * (stamp - before.stamp) / (after->stamp - before.stamp);
   return Status::kReady;
 }

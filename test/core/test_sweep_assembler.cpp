@@ -331,6 +331,66 @@ TEST(SweepAssembler, aJointThatFallsSilentIsGivenUpAfterAWhile) {
   rig.expectAccountsClose();
 }
 
+TEST(SweepAssembler, aFrozenEncoderCostsItsLinesAndEndsTheSweep) {
+  for (const double frozen_for : {0.1, 0.5, 1.5}) {
+    Rig rig;
+    const auto truth = rig.angle;
+    rig.run(0.0, 0.8);
+    rig.angle = [=](double) { return truth(kStart + 0.79); };
+    rig.run(0.8, 0.8 + frozen_for);
+    rig.angle = truth;
+    rig.run(0.8 + frozen_for, 5.0);
+    rig.assembler.close(SweepEnd::kRequest);
+    // Those of the frozen time and one or two at its borders; none of them is in an image.
+    EXPECT_NEAR(static_cast<double>(rig.assembler.accounts().drops(DropCause::kTiltGap)), 40.0 * frozen_for, 2.0);
+    ASSERT_EQ(rig.sweeps.size(), frozen_for < 1.2 ? 4U : 3U) << frozen_for;  // the motor turns at 2 s
+    EXPECT_EQ(rig.sweeps[0].end, SweepEnd::kTiltJump);
+    for (const Sweep& sweep : rig.sweeps) {
+      EXPECT_LT(worstPointError(rig, sweep, Eigen::Vector3d::UnitY(), Eigen::Isometry3d::Identity()), 0.002);
+    }
+    rig.expectAccountsClose();
+  }
+}
+
+TEST(SweepAssembler, aPoseThatNeverComesIsGivenUpByTheLinesClock) {
+  SweepOptions options;
+  options.max_wait = 2.0;
+  Rig rig(options);
+  TiltPoseSource source(Eigen::Vector3d::UnitY(), {});  // without a mount
+  for (int i = 0; i < 1000; ++i) source.track().add(kStart + 0.01 * i, 0.001 * i);
+  SweepAssembler assembler(options, source, [](Sweep&&) {});
+  for (int i = 1; i <= 79; ++i) assembler.push(rig.line(kStart + 0.025 * i));
+  EXPECT_EQ(assembler.accounts().allDrops(), 0U);
+  EXPECT_EQ(assembler.waitsFor(), PoseStatus::kWaitTransform);
+  for (int i = 80; i <= 200; ++i) assembler.push(rig.line(kStart + 0.025 * i));
+  EXPECT_NEAR(static_cast<double>(assembler.accounts().pending), 82.0, 2.0);
+  EXPECT_EQ(assembler.accounts().drops(DropCause::kNoTransform), assembler.accounts().allDrops());
+  assembler.push(rig.line(kStart + 5.1));
+  assembler.push(rig.line(kStart + 1e5));  // two strays do not make the others late
+  assembler.push(rig.line(kStart + 2e5));
+  EXPECT_NEAR(static_cast<double>(assembler.accounts().pending), 82.0, 2.0);
+  source.setMount(leverArm());
+  assembler.process();
+  EXPECT_EQ(assembler.waitsFor(), PoseStatus::kReady);
+  EXPECT_NEAR(assembler.openLines(), 82.0, 2.0);
+  EXPECT_EQ(assembler.accounts().lines_in, assembler.accounts().pending + assembler.accounts().allDrops());
+}
+
+TEST(SweepAssembler, aClockThatJumpsBackForgetsTheTiltOfTheOtherRun) {
+  Rig rig;
+  rig.run(0.0, 8.0);
+  // The lines' clock is seen to jump before the joint's: no line may use a sample of the first run.
+  for (int i = 0; i < 4; ++i) rig.assembler.push(rig.line(kStart + 3.0 + 0.025 * i));
+  EXPECT_EQ(rig.assembler.accounts().clock_resets, 1U);
+  EXPECT_EQ(rig.assembler.openLines(), 0);
+  EXPECT_TRUE(rig.source.track().empty());
+  rig.run(3.1, 9.0);
+  for (const Sweep& sweep : rig.sweeps) {
+    EXPECT_LT(worstPointError(rig, sweep, Eigen::Vector3d::UnitY(), Eigen::Isometry3d::Identity()), 0.001);
+  }
+  rig.expectAccountsClose();
+}
+
 TEST(SweepAssembler, oneStrayStampNeitherResetsNorBlocks) {
   Rig rig;
   rig.run(0.0, 1.0);

@@ -125,6 +125,85 @@ TEST(TiltTrack, startsAgainWhenTheClockJumpsBack) {
   EXPECT_NEAR(angle, 0.05, 1e-12);
 }
 
+TEST(TiltTrack, aClockSetBackALittleStartsAgainToo) {
+  TiltTrack track;
+  for (int i = 0; i < 50; ++i) track.add(100.0 + 0.01 * i, 0.001 * i);
+  for (int i = 0; i < 3; ++i) track.add(100.2 + 0.01 * i, 0.5 + 0.001 * i);
+  EXPECT_EQ(track.counts().clock_resets, 1U);
+  EXPECT_EQ(track.counts().not_newer, 0U);
+  double angle = 0.0;
+  EXPECT_EQ(track.lookup(100.3, angle), Status::kTooNew);
+  ASSERT_EQ(track.lookup(100.215, angle), Status::kReady);
+  EXPECT_NEAR(angle, 0.5015, 1e-12);
+}
+
+TEST(TiltTrack, lateSamplesBetweenOthersAreIgnored) {
+  TiltTrack track;
+  for (int i = 0; i < 50; ++i) {
+    track.add(100.0 + 0.01 * i, 0.001 * i);
+    track.add(99.8 + 0.01 * i, 0.7);
+  }
+  EXPECT_EQ(track.counts().clock_resets, 0U);
+  EXPECT_EQ(track.counts().not_newer, 50U);
+}
+
+/// Samples at 100 Hz of a motor that nods, with the encoder frozen from sample `from` to before `to`.
+TiltTrack frozenTrack(int from, int to) {
+  TiltTrack track;
+  const auto tilt = [](int i) { return -0.7 * std::cos(2.0 * M_PI * i / 400.0); };
+  for (int i = 0; i < 200; ++i) track.add(1.0 + 0.01 * i, tilt(i >= from && i < to ? from - 1 : i));
+  return track;
+}
+
+TEST(TiltTrack, aFrozenEncoderLeavesAGap) {
+  for (const int to : {85, 120, 150}) {  // a leap that might be a fast motor's, and one that cannot be
+    const TiltTrack track = frozenTrack(80, to);
+    EXPECT_EQ(track.counts().jumps, 1U) << to;
+    double angle = 0.0;
+    ASSERT_EQ(track.lookup(1.785, angle), Status::kReady);
+    EXPECT_NEAR(angle, -0.7 * std::cos(2.0 * M_PI * 78.5 / 400.0), 1e-4);
+    for (double t = 1.801; t < 1.0 + 0.01 * to - 0.0005; t += 0.0033) EXPECT_EQ(track.lookup(t, angle), Status::kGap) << t;
+    EXPECT_EQ(track.lookup(1.8 + 0.01, angle), Status::kGap);
+    ASSERT_EQ(track.lookup(1.0 + 0.01 * to + 0.005, angle), Status::kReady) << to;
+    EXPECT_NEAR(angle, -0.7 * std::cos(2.0 * M_PI * (to + 0.5) / 400.0), 1e-4);
+  }
+}
+
+TEST(TiltTrack, aGapIsBridgedOnlyWhereTheMotionIsSteady) {
+  TiltTrack track;
+  const auto tilt = [](double t) { return -0.7 * std::cos(2.0 * M_PI * t / 4.0); };
+  for (int i = 0; i <= 400; ++i) {
+    const bool steady = i > 90 && i<120, turning = i> 180 && i < 210;
+    if (!steady && !turning) track.add(10.0 + 0.01 * i, tilt(0.01 * i));
+  }
+  double angle = 0.0;
+  ASSERT_EQ(track.lookup(11.05, angle), Status::kReady);  // close to the middle, where the motor is fast
+  EXPECT_NEAR(angle, tilt(1.05), 0.005);
+  EXPECT_EQ(track.lookup(11.95, angle), Status::kGap);  // around its turning point
+  EXPECT_EQ(track.lookup(12.15, angle), Status::kReady);
+}
+
+TEST(TiltTrack, aMotorThatStepsOrAnEncoderReadSlowlyIsNotFrozen) {
+  TiltTrack steps, slow;
+  for (int i = 0; i < 300; ++i) {
+    steps.add(1.0 + 0.01 * i, 0.02 * (i / 10));
+    slow.add(1.0 + 0.01 * i, 0.005 * (i / 5 * 5));
+  }
+  double angle = 0.0;
+  EXPECT_EQ(steps.counts().jumps + slow.counts().jumps, 0U);
+  EXPECT_EQ(steps.lookup(2.035, angle), Status::kReady);
+  EXPECT_EQ(slow.lookup(2.035, angle), Status::kReady);
+}
+
+TEST(TiltTrack, aMotorThatStopsAndGoesOnIsNotFrozen) {
+  TiltTrack track;
+  for (int i = 0; i < 300; ++i) track.add(1.0 + 0.01 * i, 0.005 * (i < 100 ? i : i < 200 ? 100 : i - 100));
+  EXPECT_EQ(track.counts().jumps, 0U);
+  double angle = 0.0;
+  ASSERT_EQ(track.lookup(2.505, angle), Status::kReady);
+  EXPECT_NEAR(angle, 0.5, 1e-12);
+}
+
 TEST(TiltTrack, forgetsTheOldestBeyondItsCapacity) {
   TiltTrackOptions options;
   options.capacity = 10;

@@ -25,10 +25,11 @@ struct SweepOptions {
   int standing_lines = 100;       ///< lines within half the turn hysteresis of one tilt that mean a standing motor
   int skip = 0;                   ///< lines left out between lines used
   int max_queue = 200;            ///< lines that may wait for their poses
+  double max_wait = 5.0;          ///< a line waits so long for its poses, by the lines' own clock [s]
 };
 
 /// @brief Why a sweep ended.
-enum class SweepEnd { kTurn, kRequest, kIdle, kLayoutChange, kLineGap, kStanding, kMaxLines };
+enum class SweepEnd { kTurn, kRequest, kIdle, kLayoutChange, kLineGap, kStanding, kTiltJump, kMaxLines };
 const char* sweepEndName(SweepEnd end);
 
 /// @brief A completed sweep; its image is in the base frame, at `stamp` if the base moves.
@@ -42,8 +43,8 @@ struct Sweep {
 ///
 /// A line waits in a queue, ordered by stamp, until its poses are known from its first beam to its last. Placed lines form
 /// the open sweep until the tilt turns (see SweepSplitter). All buffers are bounded and every line is accounted for. A clock
-/// that jumps back (three lines in a row, more than a second before the last placed one) drops the open sweep.
-/// Deterministic; not thread-safe.
+/// that jumps back (three lines in a row, more than a second before the last placed one) drops the open sweep. A jump of the
+/// tilt ends the sweep, less the lines whose tilt has turned out to be unknown. Deterministic; not thread-safe.
 class SweepAssembler {
  public:
   using Handler = std::function<void(Sweep&&)>;
@@ -66,6 +67,8 @@ class SweepAssembler {
   const LineAccounts& accounts() const { return accounts_; }
   bool standing() const { return standing_ >= options_.standing_lines; }  ///< the tilt does not move
   int openLines() const { return static_cast<int>(open_.size()); }        ///< lines of the open sweep
+  double lastPlaced() const { return last_placed_; }  ///< stamp of the last line with a known pose, or -infinity [s]
+  PoseStatus waitsFor() const { return waits_for_; }  ///< what the oldest waiting line lacks; kReady if none waits
   /// Oldest line that waits for its pose, or null.
   const ScanLine* oldestWaiting() const { return queue_.empty() ? nullptr : &queue_.front().line; }
 
@@ -83,6 +86,11 @@ class SweepAssembler {
   PoseStatus place(const ScanLine& line, PlacedLine& placed) const;
   void enqueue(ScanLine line);
   void resetClock();
+  void placeWaiting();
+  bool overdue();
+  void dropHopeless();
+  void recheckAfterJump();
+  void dropWaiting();
   void add(PlacedLine placed);
   bool followStanding(double tilt);
   int emit(std::size_t lines, SweepEnd reason);
@@ -96,9 +104,12 @@ class SweepAssembler {
   std::deque<WaitingLine> queue_;   // in ascending stamp
   std::vector<ScanLine> suspects_;  // lines from before last_placed_ that may mean a clock reset
   std::vector<PlacedLine> open_;
-  double last_placed_;        // stamp of the last line that joined a sweep [s]
-  double standing_at_ = 0.0;  // tilt that the motor must leave to count as moving [rad]
-  int standing_ = -1;         // lines since it was last seen moving; -1 = no line yet
+  double last_placed_;  // stamp of the last line that joined a sweep [s]
+  PoseStatus waits_for_ = PoseStatus::kReady;
+  std::uint64_t jumps_ = 0;         // of the tilt, seen so far
+  std::uint64_t clock_resets_ = 0;  // of the tilt's clock, seen so far
+  double standing_at_ = 0.0;        // tilt that the motor must leave to count as moving [rad]
+  int standing_ = -1;               // lines since it was last seen moving; -1 = no line yet
 };
 
 }  // namespace ppc

@@ -17,8 +17,8 @@ Eigen::Vector3d tiltAxis(const std::string& name);
 /// the tilt axis. The mount is the pose of the laser's scan frame in the tilting frame: lever arm [m] and rotation.
 class TiltPoseSource : public PoseSource {
  public:
-  /// @param max_wait a time this much ahead of the newest sample is given up [s]
-  TiltPoseSource(const Eigen::Vector3d& axis, const TiltTrackOptions& track_options, double max_wait = 2.0);
+  /// @param max_wait a time this much ahead of the newest sample has no tilt [s]
+  TiltPoseSource(const Eigen::Vector3d& axis, const TiltTrackOptions& track_options, double max_wait = 5.0);
 
   void setMount(const Eigen::Isometry3d& mount) { mount_ = mount; }
   const std::optional<Eigen::Isometry3d>& mount() const { return mount_; }
@@ -30,6 +30,9 @@ class TiltPoseSource : public PoseSource {
 
   /// Waits while the mount is not set.
   PoseStatus at(double stamp, LaserPose& pose) override;
+  std::uint64_t jumps() const override { return track_.counts().jumps; }
+  std::uint64_t clockResets() const override { return track_.counts().clock_resets; }
+  void resetClock(double stamp) override { track_.resetClock(stamp); }
 
  private:
   Eigen::Vector3d axis_;

@@ -9,7 +9,9 @@
 namespace ppc {
 
 struct TiltTrackOptions {
-  double max_gap = 0.5;         ///< never interpolate between samples further apart than this [s]
+  double max_gap = 0.5;  ///< never interpolate between samples further apart than this [s]
+  double max_bend =
+      0.005;  ///< nor where samples are missing, if the motion before shows that the tilt may be off by more [rad]
   double max_speed = 10.0;      ///< a sample that asks for a faster motor is suspect [rad/s]
   std::size_t capacity = 8192;  ///< samples kept; the oldest are forgotten
 };
@@ -18,15 +20,18 @@ struct TiltTrackOptions {
 ///
 /// Angles are unwrapped across +-pi. A sample that jumps in time (either way) or asks for an impossible speed is suspect: it
 /// is used only once two more samples continue it, so that one corrupt sample moves no row. A confirmed jump back in time is
-/// a clock reset and clears the track; after any other confirmed jump, lookup() does not interpolate across it. Not
-/// thread-safe.
+/// a clock reset and clears the track; after any other confirmed jump, lookup() does not interpolate across it.
+///
+/// A jump of the angle after samples that were all alike means that the encoder was frozen while the motor went on, and so
+/// does a smaller leap to where steady motion before the alike samples leads: then there is no tilt for the time between. A
+/// motor that moves in steps looks different: it stood before. Not thread-safe.
 class TiltTrack {
  public:
   enum class Status {
     kReady,   ///< interpolated between two bracketing samples
     kTooNew,  ///< later than the newest sample: it may come
     kTooOld,  ///< earlier than the oldest sample
-    kGap      ///< the bracketing samples are too far apart, or a jump lies between them
+    kGap      ///< the bracketing samples are too far apart, a jump lies between them, or they were frozen
   };
   struct Counts {
     std::uint64_t accepted = 0;
@@ -34,6 +39,7 @@ class TiltTrack {
     std::uint64_t not_newer = 0;     ///< stamp equal to or before the newest one
     std::uint64_t implausible = 0;   ///< suspect samples that nothing confirmed
     std::uint64_t clock_resets = 0;  ///< confirmed jumps back in time
+    std::uint64_t jumps = 0;         ///< confirmed jumps of the angle, and leaps after it was frozen
   };
 
   explicit TiltTrack(const TiltTrackOptions& options = {});
@@ -43,6 +49,9 @@ class TiltTrack {
 
   /// @brief Angle at `stamp` by linear interpolation, never extrapolation; `angle` [rad, unwrapped] is set only for kReady.
   Status lookup(double stamp, double& angle) const;
+
+  /// @brief Forgets everything if it is later than `stamp` by a second: the clock has jumped back to there. [s]
+  void resetClock(double stamp);
 
   bool empty() const { return samples_.empty(); }
   double newestStamp() const { return samples_.back().stamp; }  ///< precondition: not empty [s]
@@ -54,13 +63,20 @@ class TiltTrack {
     double stamp;
     double angle;
     bool after_jump;  // nothing is interpolated between this sample and the one before
+    bool frozen;      // the angle is not that of its time
   };
   bool follows(const Sample& previous, const Sample& next) const;
+  bool turnsBack(const Sample& sample);
   void append(const Sample& sample, bool after_jump);
+  bool bends(std::size_t after) const;
+  std::size_t frozenFrom() const;
+  bool thawsWith(const Sample& sample) const;
+  void discardFrozen();
 
   TiltTrackOptions options_;
   std::deque<Sample> samples_;
   std::vector<Sample> suspects_;
+  std::vector<Sample> older_;  // samples in a row that are a little older than the newest
   Counts counts_;
 };
 
