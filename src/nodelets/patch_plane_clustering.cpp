@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/baselines/plane_segmenter.h"
+#include "patch_plane_clustering/ros/image_accounts.h"
 #include "patch_plane_clustering/ros/markers.h"
 #include "patch_plane_clustering/ros/newest_worker.h"
 #include "patch_plane_clustering/ros/parameters.h"
@@ -7,10 +8,10 @@
 #include "patch_plane_clustering/ros/reconfiguration.h"
 #include "patch_plane_clustering/ros/segmentation_conversions.h"
 
+#include <diagnostic_updater/diagnostic_updater.h>
 #include <dynamic_reconfigure/server.h>
 #include <nodelet/nodelet.h>
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <memory>
 #include <pluginlib/class_list_macros.hpp>
@@ -45,6 +46,7 @@ class PatchPlaneClustering : public nodelet::Nodelet {
   ~PatchPlaneClustering() override {
     image_subscriber_.shutdown();  // returns when no callback runs any more
     cloud_subscriber_.shutdown();
+    diagnostics_timer_.stop();
     server_.reset();
     worker_.reset();
   }
@@ -68,13 +70,14 @@ class PatchPlaneClustering : public nodelet::Nodelet {
     server_->updateConfig(toReconfigurable(*config()));  // it has clamped bad parameters; these are as reported
     server_->setCallback([this](PatchPlaneClusteringConfig& update, std::uint32_t) { reconfigure(update); });
 
-    image_subscriber_ = nh.subscribe<RangeImageMsg>("range_image", 2, [this](const RangeImageMsg::ConstPtr& message) {
-      receive({message, nullptr});
-    });
-    cloud_subscriber_ =
-        nh.subscribe<sensor_msgs::PointCloud2>("points_in", 2, [this](const sensor_msgs::PointCloud2::ConstPtr& message) {
-          receive({nullptr, message});
-        });
+    updater_ = std::make_unique<diagnostic_updater::Updater>(nh, private_nh, getName());
+    updater_->setHardwareID("none");
+    updater_->add("plane clustering", this, &PatchPlaneClustering::diagnose);
+    // Wall time, and forced: with simulated time and a clock that stands it still reports.
+    diagnostics_timer_ = nh.createWallTimer(ros::WallDuration(1.0), [this](const auto&) { updater_->force_update(); });
+
+    image_subscriber_ = nh.subscribe("range_image", 2, &PatchPlaneClustering::onImage, this);
+    cloud_subscriber_ = nh.subscribe("points_in", 2, &PatchPlaneClustering::onCloud, this);
   }
 
   void readParameters(const ros::NodeHandle& private_nh) {
@@ -82,17 +85,31 @@ class PatchPlaneClustering : public nodelet::Nodelet {
     config_ = std::make_shared<const Config>(readConfig(reader));
     method_name_ = reader.getChoice("method", "ppc", segmenterNames());
     method_ = makeSegmenter(method_name_);
+    reader.expect("diagnostic_period");
     for (const std::string& error : reader.errors()) NODELET_ERROR("%s; the default is used", error.c_str());
     for (const std::string& unknown : reader.unknown()) NODELET_WARN("%s", unknown.c_str());
   }
 
-  void receive(Arrival arrival) {
-    ++received_;
-    if (worker_->push(std::move(arrival))) {
-      ++skipped_;
-      NODELET_WARN_THROTTLE(10.0, "images arrive faster than they can be segmented; the newest wins (%u skipped so far)",
-                            skipped_.load());
-    }
+  void onImage(const ros::MessageEvent<const RangeImageMsg>& event) {
+    receive({event.getConstMessage(), nullptr}, event.getPublisherName());
+  }
+
+  void onCloud(const ros::MessageEvent<const sensor_msgs::PointCloud2>& event) {
+    receive({nullptr, event.getConstMessage()}, event.getPublisherName());
+  }
+
+  void receive(Arrival arrival, const std::string& publisher) {
+    accounts_.receive(publisher, arrival.header().seq);
+    if (!worker_->push(std::move(arrival))) return;
+    accounts_.overtake();
+    NODELET_WARN_THROTTLE(10.0, "images arrive faster than they can be segmented; the newest wins (%u overtaken so far)",
+                          accounts_.counts().overtaken);
+  }
+
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+    const auto now = Clock::now();
+    accounts_.write(std::chrono::duration<double>(now - last_report_).count(), status);
+    last_report_ = now;
   }
 
   void reconfigure(PatchPlaneClusteringConfig& update) {
@@ -134,12 +151,18 @@ class PatchPlaneClustering : public nodelet::Nodelet {
     const std_msgs::Header& header = arrival.header();
     publishAs(polygons_publisher_, toPolygonArray(segmentation, header));
     const double total = millisecondsSince(arrival.time);
+    accounts_.segment(total);
     if (statistics_publisher_.getNumSubscribers() > 0) {
       SegmentationStatistics statistics = toStatistics(segmentation, header);
       statistics.method = method_name_;
       statistics.total_milliseconds = static_cast<float>(total);
-      statistics.images_received = received_;
-      statistics.images_skipped = skipped_;
+      const ImageCounts counts = accounts_.counts();
+      statistics.images_received = counts.received;
+      statistics.images_skipped = counts.skipped();
+      statistics.images_refused = counts.refused;
+      statistics.images_overtaken = counts.overtaken;
+      statistics.images_lost = counts.lost;
+      if (arrival.image) statistics.lines = arrival.image->lines;
       publishAs(statistics_publisher_, std::move(statistics));
     }
     if (labels_publisher_.getNumSubscribers() > 0) publishAs(labels_publisher_, toLabelImage(segmentation.labels, header));
@@ -156,12 +179,12 @@ class PatchPlaneClustering : public nodelet::Nodelet {
   }
 
   void skip(const Arrival& arrival, const std::string& why) {
-    ++skipped_;
+    accounts_.refuse(why);
     const auto now = Clock::now();  // not ROS time, which stands still when there is no /clock
     if (reported_ && now - *reported_ < std::chrono::seconds(2)) return;
     reported_ = now;
-    NODELET_ERROR("%s of frame '%s' skipped: %s (%u skipped so far)", arrival.image ? "range image" : "cloud",
-                  arrival.header().frame_id.c_str(), why.c_str(), skipped_.load());
+    NODELET_ERROR("%s of frame '%s' skipped: %s (%u refused so far)", arrival.image ? "range image" : "cloud",
+                  arrival.header().frame_id.c_str(), why.c_str(), accounts_.counts().refused);
   }
 
   std::string method_name_;
@@ -170,8 +193,10 @@ class PatchPlaneClustering : public nodelet::Nodelet {
   std::shared_ptr<const Config> config_;
   boost::recursive_mutex server_mutex_;
   std::unique_ptr<Server> server_;
-  std::atomic<std::uint32_t> received_{0};
-  std::atomic<std::uint32_t> skipped_{0};
+  ImageAccounts accounts_;
+  std::unique_ptr<diagnostic_updater::Updater> updater_;
+  Clock::time_point last_report_ = Clock::now();
+  ros::WallTimer diagnostics_timer_;
   std::optional<Clock::time_point> reported_;  // of the worker's thread
   ros::Publisher polygons_publisher_, markers_publisher_, labels_publisher_, points_publisher_, statistics_publisher_;
   ros::Subscriber image_subscriber_, cloud_subscriber_;

@@ -3,6 +3,7 @@
 #include "patch_plane_clustering/ros/driver_options.h"
 #include "patch_plane_clustering/ros/laser_poses.h"
 #include "patch_plane_clustering/ros/range_image_conversions.h"
+#include "patch_plane_clustering/ros/sequence_watch.h"
 
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <nodelet/nodelet.h>
@@ -10,6 +11,7 @@
 #include <std_srvs/Trigger.h>
 #include <tf2_ros/transform_listener.h>
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <pluginlib/class_list_macros.hpp>
 
@@ -40,7 +42,7 @@ class TiltScanDriver : public nodelet::Nodelet {
     }
     for (const std::string& sentence : reader.errors()) NODELET_ERROR_STREAM(sentence);
 
-    last_report_ = last_scan_ = last_joint_ = last_sweep_ = ros::WallTime::now();
+    last_report_ = last_scan_ = last_row_ = last_joint_ = last_sweep_ = ros::WallTime::now();
     updater_ = std::make_unique<diagnostic_updater::Updater>(nh, getPrivateNodeHandle(), getName());
     updater_->setHardwareID("none");
     updater_->add("tilt scan driver", this, &TiltScanDriver::diagnose);
@@ -70,8 +72,10 @@ class TiltScanDriver : public nodelet::Nodelet {
     scan_sub_ = nh.subscribe("scan", 200, &TiltScanDriver::onScan, this, no_delay);
   }
 
-  void onScan(const sensor_msgs::LaserScanConstPtr& scan) {
+  void onScan(const ros::MessageEvent<const sensor_msgs::LaserScan>& event) {
+    const sensor_msgs::LaserScanConstPtr scan = event.getConstMessage();
     ++health_.scans;
+    sequence_.see(event.getPublisherName(), scan->header.seq);
     last_scan_ = ros::WallTime::now();
     const std::string& id = scan->header.frame_id;
     const std::string frame = !id.empty() && id[0] == '/' ? id.substr(1) : id;
@@ -117,11 +121,14 @@ class TiltScanDriver : public nodelet::Nodelet {
     const std::string settled = poses_->settleMount(late);
     if (!settled.empty()) NODELET_INFO_STREAM("The " << settled);
     assembler_->process();
+    if (assembler_->lastPlaced() == last_placed_) return;
+    last_placed_ = assembler_->lastPlaced();
+    last_row_ = ros::WallTime::now();
   }
 
   void keepHouse() {
     placeLines();
-    const bool idle = (ros::WallTime::now() - last_scan_).toSec() > options_.idle_timeout;
+    const bool idle = (ros::WallTime::now() - last_row_).toSec() > options_.idle_timeout;
     if (idle && assembler_->openLines() > 0) assembler_->close(SweepEnd::kIdle);
   }
 
@@ -138,11 +145,14 @@ class TiltScanDriver : public nodelet::Nodelet {
   void publish(const Sweep& sweep) {
     last_sweep_ = ros::WallTime::now();
     std_msgs::Header header;
+    header.seq = static_cast<std::uint32_t>(assembler_->accounts().sweeps);  // tells nodelets of images they have missed
     header.stamp = toTime(sweep.stamp);
     header.frame_id = options_.base_frame;
     NODELET_DEBUG("Sweep of %d lines, ended by %s", sweep.image.rows, sweepEndName(sweep.end));
     if (image_pub_.getNumSubscribers() > 0) {
-      image_pub_.publish(boost::make_shared<RangeImageMsg>(toMessage(sweep.image, header)));
+      auto message = boost::make_shared<RangeImageMsg>(toMessage(sweep.image, header));
+      message->lines = toMessage(assembler_->accounts());
+      image_pub_.publish(message);
     }
     if (points_pub_.getNumSubscribers() > 0) {
       points_pub_.publish(boost::make_shared<sensor_msgs::PointCloud2>(toPointCloud(sweep.image, header)));
@@ -159,6 +169,10 @@ class TiltScanDriver : public nodelet::Nodelet {
     health_.scan_age = (now - last_scan_).toSec();
     health_.joint_age = (now - last_joint_).toSec();
     health_.sweep_age = (now - last_sweep_).toSec();
+    health_.lost = sequence_.lost();
+    health_.row_age = (now - last_row_).toSec();
+    health_.sweep_timeout = options_.sweep_timeout;
+    health_.waits_for = whatLinesWaitFor();
     health_.standing = assembler_->standing();
     health_.lines = assembler_->accounts();
     if (const TiltPoseSource* joint = poses_->joint()) {
@@ -171,6 +185,17 @@ class TiltScanDriver : public nodelet::Nodelet {
     health_.last_fault.clear();
   }
 
+  std::string whatLinesWaitFor() const {
+    switch (assembler_->waitsFor()) {
+      case PoseStatus::kWait:
+        return "samples of joint '" + options_.joint_name + "'";
+      case PoseStatus::kWaitTransform:
+        return "tf " + poses_->transforms();
+      default:
+        return {};
+    }
+  }
+
   DriverOptions options_;
   std::string refusal_;  // why the driver does not run
   std::string unknown_;  // parameters that nobody knows
@@ -181,10 +206,12 @@ class TiltScanDriver : public nodelet::Nodelet {
   std::unique_ptr<LaserPoses> poses_;
   std::unique_ptr<SweepAssembler> assembler_;
 
+  double last_placed_ = -std::numeric_limits<double>::infinity();  // stamp of the newest row [s]
+  SequenceWatch sequence_;                                         // of the scans
   DriverHealth health_;
   DriverDiagnostics diagnostics_;
   std::unique_ptr<diagnostic_updater::Updater> updater_;
-  ros::WallTime first_scan_, last_scan_, last_joint_, last_sweep_, last_report_;
+  ros::WallTime first_scan_, last_scan_, last_row_, last_joint_, last_sweep_, last_report_;
 
   ros::Publisher image_pub_, points_pub_, radial_pub_;
   ros::ServiceServer close_service_;

@@ -6,7 +6,8 @@
 namespace ppc {
 namespace {
 
-constexpr double kSilence = 2.0;  // [s]
+constexpr double kSilence = 2.0;   // [s]
+constexpr double kPatience = 1.0;  // [s]
 
 using diagnostic_msgs::DiagnosticStatus;
 
@@ -25,6 +26,16 @@ void DriverDiagnostics::write(const DriverHealth& health, double elapsed,
   if (!from_tf && health.joint_age > kSilence) {
     status.mergeSummary(DiagnosticStatus::ERROR, "no samples of joint '" + health.joint_name + "'");
   }
+  const bool no_use = health.joint_samples > last_.joint_samples && health.track.accepted == last_.track.accepted;
+  if (!from_tf && health.joint_age <= kSilence && no_use) {
+    status.mergeSummary(DiagnosticStatus::ERROR, "no sample of joint '" + health.joint_name + "' can be used");
+  }
+  if (!health.waits_for.empty() && health.row_age > kPatience) {
+    status.mergeSummary(DiagnosticStatus::WARN, "lines wait for " + health.waits_for);
+  }
+  if (health.sweep_age > health.sweep_timeout) {
+    status.mergeSummaryf(DiagnosticStatus::WARN, "no sweep for %.0f s", health.sweep_age);
+  }
   if (!from_tf && health.mount.empty() && health.scan_age <= kSilence) {
     status.mergeSummary(DiagnosticStatus::WARN, "waiting for the laser's mount from tf");
   }
@@ -41,6 +52,12 @@ void DriverDiagnostics::write(const DriverHealth& health, double elapsed,
       last_.bad_joint_messages + last_.track.implausible + last_.track.not_finite) {
     status.mergeSummary(DiagnosticStatus::WARN, "bad joint samples");
   }
+  if (health.lost > last_.lost) {
+    status.mergeSummaryf(DiagnosticStatus::WARN, "%u scans lost on the way", health.lost - last_.lost);
+  }
+  if (!from_tf && health.track.jumps > last_.track.jumps) {
+    status.mergeSummary(DiagnosticStatus::WARN, "the joint's angle jumped");
+  }
   if (health.lines.layout_changes > last_.lines.layout_changes) {
     status.mergeSummary(DiagnosticStatus::WARN, "the scan's layout changed");
   }
@@ -52,6 +69,7 @@ void DriverDiagnostics::write(const DriverHealth& health, double elapsed,
   if (!from_tf) status.add("Joint rate [Hz]", rate(health.joint_samples, last_.joint_samples));
   status.add("Tilt from", from_tf ? std::string("tf") : "joint " + health.joint_name);
   if (!from_tf) status.add("Mount of the laser", health.mount.empty() ? "not known" : health.mount);
+  status.add("Scans lost on the way", health.lost);
   status.add("Sweeps", health.lines.sweeps);
   status.add("Time since last sweep [s]", health.sweep_age);
   status.add("Lines in", health.lines.lines_in);
@@ -65,6 +83,7 @@ void DriverDiagnostics::write(const DriverHealth& health, double elapsed,
   status.add("Clock resets", std::max(health.lines.clock_resets, health.track.clock_resets));
   if (!from_tf) {
     status.add("Joint samples used", health.track.accepted);
+    status.add("Joint jumps", health.track.jumps);
     status.add("Joint samples rejected: not newer", health.track.not_newer);
     status.add("Joint samples rejected: not finite", health.track.not_finite);
     status.add("Joint samples rejected: implausible", health.track.implausible);

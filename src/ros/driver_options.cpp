@@ -30,12 +30,14 @@ DriverOptions readDriverOptions(ParameterReader& reader) {
   o.sweep.max_line_gap = reader.getDouble("max_line_gap", o.sweep.max_line_gap, 0.01, 3600.0);
   o.sweep.standing_lines = reader.getInt("standing_lines", o.sweep.standing_lines, 2, 100000);
   o.sweep.skip = reader.getInt("skip", o.sweep.skip, 0, 1000);
+  o.sweep.max_wait = reader.getDouble("max_wait", o.sweep.max_wait, 0.1, 3600.0);
   o.sweep.max_queue = reader.getInt("max_queue", o.sweep.max_queue, 1, 100000);
 
   o.track.max_gap = reader.getDouble("max_joint_gap", o.track.max_gap, 0.001, 60.0);
   o.track.max_speed = reader.getDouble("max_joint_speed", o.track.max_speed, 0.01, 1000.0);
   o.mount_timeout = reader.getDouble("mount_timeout", o.mount_timeout, 0.0, 3600.0);
   o.idle_timeout = reader.getDouble("idle_timeout", o.idle_timeout, 0.1, 3600.0);
+  o.sweep_timeout = reader.getDouble("sweep_timeout", o.sweep_timeout, 1.0, 86400.0);
   o.time_offset = reader.getDouble("time_offset", o.time_offset, -10.0, 10.0);
 
   constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();

@@ -10,16 +10,16 @@ bool LaserPoses::needsTf(const DriverOptions& options) {
   return options.joint_name.empty() || !options.fixed_frame.empty() || !options.mount;
 }
 
-LaserPoses::LaserPoses(const DriverOptions& options, const tf2::BufferCore* buffer) : options_(options), buffer_(buffer) {
+LaserPoses::LaserPoses(const DriverOptions& options, tf2::BufferCore* buffer) : options_(options), buffer_(buffer) {
   if (options_.joint_name.empty()) return;
-  joint_ = std::make_unique<TiltPoseSource>(options_.axis, options_.track);
+  joint_ = std::make_unique<TiltPoseSource>(options_.axis, options_.track, options_.sweep.max_wait);
   if (options_.mount) joint_->setMount(*options_.mount);
 }
 
 void LaserPoses::setLaserFrame(const std::string& frame) {
   laser_frame_ = frame;
   const auto track = [&](const std::string& target, const std::string& source) {
-    return TransformTrack(*buffer_, target, source, options_.track.max_gap);
+    return TransformTrack(*buffer_, target, source, options_.track.max_gap, options_.sweep.max_wait);
   };
   source_ = joint_.get();
   if (!joint_) {
@@ -32,6 +32,21 @@ void LaserPoses::setLaserFrame(const std::string& frame) {
     moving_ = std::make_unique<MovingBaseSource>(*source_, track(options_.fixed_frame, options_.base_frame));
     source_ = moving_.get();
   }
+}
+
+void LaserPoses::resetClock(double stamp) {
+  if (!source_) return;
+  source_->resetClock(stamp);
+  // Without simulated time tf2 does not see a clock jump back, and would mix the transforms of both runs.
+  if (buffer_) buffer_->clear();
+}
+
+std::string LaserPoses::transforms() const {
+  std::string names;
+  if (!joint_ || !joint_->mount()) names = options_.base_frame + " <- " + laser_frame_;
+  if (!options_.fixed_frame.empty())
+    names += (names.empty() ? "" : ", ") + options_.fixed_frame + " <- " + options_.base_frame;
+  return names;
 }
 
 std::string LaserPoses::settleMount(bool give_up) {

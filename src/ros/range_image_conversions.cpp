@@ -76,6 +76,21 @@ RangeImageMsg toMessage(const RangeImage& image, const std_msgs::Header& header)
   return message;
 }
 
+LineAccountsMsg toMessage(const LineAccounts& accounts) {
+  LineAccountsMsg message;
+  message.lines_in = accounts.lines_in;
+  message.lines_in_images = accounts.lines_in_images;
+  message.lines_pending = accounts.pending;
+  for (std::size_t i = 0; i < kDropCauses; ++i) {
+    const auto cause = static_cast<DropCause>(i);
+    if (accounts.drops(cause) == 0) continue;
+    message.dropped.emplace_back();
+    message.dropped.back().cause = dropCauseName(cause);
+    message.dropped.back().lines = accounts.drops(cause);
+  }
+  return message;
+}
+
 RangeImage fromMessage(const RangeImageMsg& message) {
   if (message.height > kMostPixels || message.width > kMostPixels || message.poses_per_row > kMostPixels) {
     throw std::invalid_argument("range image: height " + std::to_string(message.height) + ", width " +

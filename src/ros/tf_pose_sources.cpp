@@ -41,7 +41,7 @@ PoseStatus MovingBaseSource::at(double stamp, LaserPose& pose) {
   if (laser_status != PoseStatus::kReady) return laser_status;
   Eigen::Isometry3d base;
   const PoseStatus base_status = track_.at(stamp, base);
-  if (base_status != PoseStatus::kReady) return base_status == PoseStatus::kWait ? base_status : PoseStatus::kNoTransform;
+  if (base_status != PoseStatus::kReady) return waits(base_status) ? base_status : PoseStatus::kNoTransform;
   pose.tilt = in_base.tilt;
   pose.base = base;
   pose.pose = base * in_base.pose;

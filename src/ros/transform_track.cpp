@@ -19,8 +19,17 @@ Eigen::Isometry3d toIsometry(const geometry_msgs::Transform& t) {
 }  // namespace
 
 TransformTrack::TransformTrack(const tf2::BufferCore& buffer, std::string target_frame, std::string source_frame,
-                               double max_gap)
-    : buffer_(buffer), target_(std::move(target_frame)), source_(std::move(source_frame)), max_gap_(max_gap) {}
+                               double max_gap, double max_wait)
+    : buffer_(buffer),
+      target_(std::move(target_frame)),
+      source_(std::move(source_frame)),
+      max_gap_(max_gap),
+      max_wait_(max_wait) {}
+
+void TransformTrack::reset() {
+  newest_ = -1.0;
+  gaps_.clear();
+}
 
 double TransformTrack::newestStamp() const {
   try {
@@ -36,7 +45,10 @@ PoseStatus TransformTrack::at(double stamp, Eigen::Isometry3d& transform) {
   if (newest_ > 0.0 && newest - newest_ > max_gap_) gaps_.push_back({newest_, newest});
   if (gaps_.size() > 16) gaps_.pop_front();
   newest_ = newest;
-  if (newest < 0.0 || (newest > 0.0 && stamp > newest)) return PoseStatus::kWait;
+  if (newest < 0.0) return PoseStatus::kWaitTransform;
+  if (newest > 0.0 && stamp > newest) {
+    return stamp - newest > max_wait_ ? PoseStatus::kNoTransform : PoseStatus::kWaitTransform;
+  }
   for (const Gap& gap : gaps_) {
     if (gap.from < stamp && stamp < gap.to) return PoseStatus::kTiltGap;
   }

@@ -64,6 +64,9 @@ class ScanPlayer {
     return false;
   }
 
+  ScanPlayer(const ScanPlayer&) = delete;  // its functions refer to it
+  ScanPlayer& operator=(const ScanPlayer&) = delete;
+
   bool connect() {
     return waitFor([this] {
       return scan_pub_.getNumSubscribers() > 0 && (!with_joint || joint_pub_.getNumSubscribers() > 0) &&
@@ -99,12 +102,12 @@ class ScanPlayer {
 
   void publishJoint(const sensor_msgs::JointState& message) { joint_pub_.publish(message); }
 
-  void publishJoint(double t) {
+  sensor_msgs::JointState jointSample(double t) const {
     sensor_msgs::JointState m;
     m.header.stamp = ros::Time(t);
     m.name = {"other_joint", "tilt_joint"};
     m.position = {7.0, std::remainder(tilt(m.header.stamp.toSec()), 2.0 * M_PI)};
-    joint_pub_.publish(m);
+    return m;
   }
 
   void publishTransform(double t, const std::string& parent, const std::string& child, const Eigen::Isometry3d& pose) {
@@ -125,7 +128,10 @@ class ScanPlayer {
     tf_pub_.publish(m);
   }
 
-  void publishScan(const sensor_msgs::LaserScan& s) { scan_pub_.publish(s); }
+  void publishScan(const sensor_msgs::LaserScan& s) {
+    ++scans_sent;
+    scan_pub_.publish(s);
+  }
 
   /// Lines at 40 Hz, joint samples and transforms at 100 Hz, from `from` to `to` [s].
   void play(double from, double to) {
@@ -134,13 +140,13 @@ class ScanPlayer {
     for (long tick = first; tick < last; ++tick) {
       const double t = static_cast<double>(tick) / 200.0;
       if (tick % 2 == 0) {
-        if (with_joint && !silent(t)) publishJoint(t);
+        if (with_joint && !silent(t)) send_joint(jointSample(t));
         const std::string name = ns_.substr(1);
         const Eigen::Isometry3d in_base = basePose(t).inverse() * laserAt(t);
-        if (with_tf) publishTransform(t, name + "_base", name + "_laser", in_base);
+        if (with_tf && !silent(t)) publishTransform(t, name + "_base", name + "_laser", in_base);
         if (with_base_motion) publishTransform(t, "odom", name + "_base", basePose(t));
       }
-      if (tick % 5 == 0) publishScan(scan(t));
+      if (tick % 5 == 0) send_scan(scan(t));
       ros::spinOnce();
       ros::WallDuration(0.001).sleep();
     }
@@ -169,12 +175,16 @@ class ScanPlayer {
   }
 
   std::function<double(double)> tilt = [](double t) { return -0.7 * std::cos(2.0 * M_PI * t / 4.0); };
-  std::function<bool(double)> silent = [](double) { return false; };                                         // the joint
+  std::function<bool(double)> silent = [](double) { return false; };  // joint and tf of the laser
+  // What becomes of each message; a test may delay, repeat, spoil or drop it.
+  std::function<void(const sensor_msgs::LaserScan&)> send_scan = [this](const auto& s) { publishScan(s); };
+  std::function<void(const sensor_msgs::JointState&)> send_joint = [this](const auto& j) { publishJoint(j); };
   std::function<Eigen::Isometry3d(double)> basePose = [](double) { return Eigen::Isometry3d::Identity(); };  // in the room
   Eigen::Vector3d axis = Eigen::Vector3d::UnitY();
   Eigen::Isometry3d mount = Eigen::Isometry3d::Identity();
   float time_increment = 1.25e-4F;
   int beams = 121;
+  int scans_sent = 0;
   bool with_joint = true;
   bool with_tf = false;
   bool with_base_motion = false;

@@ -42,12 +42,13 @@ TEST(TransformTrack, interpolatesAndNeverExtrapolates) {
   Tree tree;
   TransformTrack track(tree.buffer, "base", "laser", 0.5);
   Eigen::Isometry3d pose;
-  EXPECT_EQ(track.at(10.0, pose), PoseStatus::kWait);
+  EXPECT_EQ(track.at(10.0, pose), PoseStatus::kWaitTransform);
   tree.set(10.0, "base", "laser", turn(0.0));
   tree.set(10.2, "base", "laser", turn(0.2));
   ASSERT_EQ(track.at(10.1, pose), PoseStatus::kReady);
   EXPECT_TRUE(pose.isApprox(turn(0.1), 1e-9));
-  EXPECT_EQ(track.at(10.3, pose), PoseStatus::kWait);
+  EXPECT_EQ(track.at(10.3, pose), PoseStatus::kWaitTransform);
+  EXPECT_EQ(track.at(15.3, pose), PoseStatus::kNoTransform);  // nobody waits for ever
   EXPECT_EQ(track.at(9.9, pose), PoseStatus::kNoTransform);
 }
 
@@ -56,7 +57,7 @@ TEST(TransformTrack, doesNotBridgeAHole) {
   TransformTrack track(tree.buffer, "base", "laser", 0.5);
   Eigen::Isometry3d pose;
   tree.set(10.0, "base", "laser", turn(0.0));
-  EXPECT_EQ(track.at(10.5, pose), PoseStatus::kWait);
+  EXPECT_EQ(track.at(10.5, pose), PoseStatus::kWaitTransform);
   tree.set(12.0, "base", "laser", turn(0.2));
   EXPECT_EQ(track.at(10.5, pose), PoseStatus::kTiltGap);
   EXPECT_EQ(track.at(12.0, pose), PoseStatus::kReady);
@@ -111,7 +112,7 @@ TEST(MovingBaseSource, posesComeOutInTheFixedFrame) {
   EXPECT_NEAR(pose.tilt, 0.25, 1e-9);
   EXPECT_TRUE(pose.base.translation().isApprox(Eigen::Vector3d(0.5, 0.0, 0.0), 1e-6));
   EXPECT_TRUE(pose.pose.isApprox(pose.base * turn(0.25) * leverArm(), 1e-9));
-  EXPECT_EQ(source.at(10.8, pose), PoseStatus::kWait);
+  EXPECT_EQ(source.at(10.8, pose), PoseStatus::kWaitTransform);
   EXPECT_EQ(source.at(9.0, pose), PoseStatus::kNoTilt);
 }
 
@@ -155,10 +156,10 @@ TEST(LaserPoses, saysWhereTheMountComesFrom) {
   EXPECT_TRUE(LaserPoses::needsTf(options));
   LaserPoses poses(options, &tree.buffer);
   LaserPose pose;
-  EXPECT_EQ(poses.at(10.0, pose), PoseStatus::kWait);
+  EXPECT_EQ(poses.at(10.0, pose), PoseStatus::kWaitTransform);
   poses.setLaserFrame("laser");
   poses.joint()->track().add(10.0, 0.0);
-  EXPECT_EQ(poses.at(10.0, pose), PoseStatus::kWait);
+  EXPECT_EQ(poses.at(10.0, pose), PoseStatus::kWaitTransform);
   EXPECT_EQ(poses.settleMount(false), "");
   EXPECT_FALSE(poses.mountKnown());
   const std::string sentence = poses.settleMount(true);

@@ -17,7 +17,11 @@ struct DriverHealth {
   std::uint64_t joint_samples = 0;  ///< messages of the joint since start
   double scan_age = 0.0;            ///< since the last message, or since start [s]
   double joint_age = 0.0;           ///< [s]
+  double row_age = 0.0;             ///< since the last line that found its pose, or since start [s]
   double sweep_age = 0.0;           ///< since the last image, or since start [s]
+  double sweep_timeout = 60.0;      ///< older is worth a warning [s]
+  std::string waits_for;            ///< what the oldest waiting line lacks; empty if none waits
+  std::uint32_t lost = 0;           ///< scans that never arrived, by their sequence numbers
   std::string mount;                ///< of the laser, in words; empty while it is not known
   bool standing = false;            ///< the tilt does not move
   LineAccounts lines;

@@ -19,7 +19,8 @@ struct DriverOptions {
   Eigen::Vector3d axis = Eigen::Vector3d::UnitY();  ///< of the tilt: roll, pitch or yaw, or the opposite ("-pitch")
   std::optional<Eigen::Isometry3d> mount;           ///< lever_arm and mount_rpy; empty: from tf2
   double mount_timeout = 2.0;                       ///< wall time to wait for tf2 to tell the mount [s]
-  double idle_timeout = 2.0;                        ///< wall time without a line after which the sweep is closed [s]
+  double idle_timeout = 2.0;                        ///< wall time without a new row after which the sweep is closed [s]
+  double sweep_timeout = 60.0;                      ///< wall time without a sweep after which diagnostics warn [s]
   double time_offset = 0.0;                         ///< added to the stamps of scans [s]
   SweepOptions sweep;                               ///< motion, turn, turn_hysteresis, min_lines, ...
   TiltTrackOptions track;                           ///< max_joint_gap, max_joint_speed

@@ -15,7 +15,7 @@ namespace ppc {
 class LaserPoses : public PoseSource {
  public:
   /// @param buffer may be null if needsTf(options) is false; must outlive this
-  LaserPoses(const DriverOptions& options, const tf2::BufferCore* buffer);
+  LaserPoses(const DriverOptions& options, tf2::BufferCore* buffer);
 
   static bool needsTf(const DriverOptions& options);
 
@@ -31,11 +31,19 @@ class LaserPoses : public PoseSource {
   std::string settleMount(bool give_up);
   bool mountKnown() const { return !joint_ || joint_->mount().has_value(); }
 
-  PoseStatus at(double stamp, LaserPose& pose) override { return source_ ? source_->at(stamp, pose) : PoseStatus::kWait; }
+  PoseStatus at(double stamp, LaserPose& pose) override {
+    return source_ ? source_->at(stamp, pose) : PoseStatus::kWaitTransform;
+  }
+  std::uint64_t jumps() const override { return source_ ? source_->jumps() : 0; }
+  std::uint64_t clockResets() const override { return source_ ? source_->clockResets() : 0; }
+  void resetClock(double stamp) override;
+
+  /// @brief The transforms that are needed, in words: "tilt_base <- laser".
+  std::string transforms() const;
 
  private:
   DriverOptions options_;
-  const tf2::BufferCore* buffer_;
+  tf2::BufferCore* buffer_;
   std::string laser_frame_;
   std::unique_ptr<TiltPoseSource> joint_;
   std::unique_ptr<TfPoseSource> tf_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <patch_plane_clustering/LineAccounts.h>
 #include <patch_plane_clustering/PlanarPolygon.h>
 #include <patch_plane_clustering/PlanarPolygonArray.h>
 #include <patch_plane_clustering/RangeImage.h>
@@ -8,7 +9,8 @@
 
 namespace ppc {
 
-// Generated messages live in namespace patch_plane_clustering; two of them are named as core types are.
+// Generated messages live in namespace patch_plane_clustering; some of them are named as core types are.
+using LineAccountsMsg = patch_plane_clustering::LineAccounts;
 using RangeImageMsg = patch_plane_clustering::RangeImage;
 using RangeImageMsgPtr = patch_plane_clustering::RangeImagePtr;
 using RangeImageMsgConstPtr = patch_plane_clustering::RangeImageConstPtr;

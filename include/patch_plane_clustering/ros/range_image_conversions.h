@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "patch_plane_clustering/core/line_accounts.h"
 #include "patch_plane_clustering/core/range_image.h"
 #include "patch_plane_clustering/core/scan_line.h"
 #include "patch_plane_clustering/ros/messages.h"
@@ -17,6 +18,9 @@ ros::Time toTime(double stamp);
 
 /// @brief The image as a message. @param header as it shall be; its frame is that of the line poses.
 RangeImageMsg toMessage(const RangeImage& image, const std_msgs::Header& header);
+
+/// @brief The accounts as a message; only causes that have occurred.
+LineAccountsMsg toMessage(const LineAccounts& accounts);
 
 /// @brief The message as an image, which satisfies checkConsistent().
 /// @throws std::invalid_argument naming the first field that is wrong.

@@ -13,6 +13,7 @@ class TfPoseSource : public PoseSource {
  public:
   TfPoseSource(const Eigen::Vector3d& axis, TransformTrack base_from_laser);
   PoseStatus at(double stamp, LaserPose& pose) override;
+  void resetClock(double /*stamp*/) override { track_.reset(); }
 
  private:
   Eigen::Vector3d axis_;
@@ -28,6 +29,12 @@ class MovingBaseSource : public PoseSource {
   /// @param laser must outlive this
   MovingBaseSource(PoseSource& laser, TransformTrack fixed_from_base);
   PoseStatus at(double stamp, LaserPose& pose) override;
+  std::uint64_t jumps() const override { return laser_.jumps(); }
+  std::uint64_t clockResets() const override { return laser_.clockResets(); }
+  void resetClock(double stamp) override {
+    laser_.resetClock(stamp);
+    track_.reset();
+  }
 
  private:
   PoseSource& laser_;
