@@ -271,8 +271,12 @@ LabelImage patchLabels(const BeamGrid& grid, const PatchGrid& patches, const Pat
 
 LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares, const LabelImage& labels,
                         const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
-                        const CoplanarityTolerance& tolerance, std::int32_t first_open) {
+                        const CoplanarityTolerance& tolerance, std::int32_t first_open, std::vector<bool>* changed) {
   LabelImage out = labels;
+  if (changed != nullptr) changed->assign(cells.patches.size(), false);
+  const auto mark = [changed](int k) {
+    if (changed != nullptr) (*changed)[k] = true;
+  };
   PatchResolver resolver(grid, cells, planes, noise, tolerance);
   const int count = static_cast<int>(cells.patches.size());
 
@@ -304,6 +308,7 @@ LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const Cell
           const BeamLanes beams(grid, grid.index(r, c), cell.col_end - c);
           const LaneMask outside = ~beams.valid | (squared(beams) > fill(kMaxOwnResidual));
           if (!anyLane(outside)) continue;
+          mark(k);
           for (int lane = 0; lane < std::min(kLanes, cell.col_end - c); ++lane) {
             if (outside[lane] != 0) out.labels[grid.index(r, c + lane)] = 0;
           }
@@ -320,6 +325,7 @@ LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const Cell
     }
     std::sort(candidates.begin(), candidates.end());
     resolver.resolve(cell, candidates, first_open, out);
+    mark(k);
   }
   return out;
 }

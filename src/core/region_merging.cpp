@@ -175,6 +175,36 @@ bool uniform(const std::int32_t* corner, int rows, int cols, int stride) {
   return !anyLane(others);
 }
 
+// Adds the shares of one cell.
+void shareCell(const BeamGrid& grid, const Patch& cell, const Eigen::Vector3d& center, const NoiseModel& noise,
+               const LabelImage& labels, std::vector<std::int32_t>& found, CellShares& out) {
+  // The usual cases first: one label on all pixels, or none.
+  const std::int32_t* corner = labels.labels.data() + grid.index(cell.row_begin, cell.col_begin);
+  if (uniform(corner, cell.row_end - cell.row_begin, cell.col_end - cell.col_begin, labels.cols)) {
+    if (*corner > 0 && cell.moments.n > 0) out.shares.push_back({*corner, cell.moments});
+    return;
+  }
+  found.clear();
+  for (int r = cell.row_begin; r < cell.row_end; ++r) {
+    for (int i = grid.index(r, cell.col_begin); i < grid.index(r, cell.col_end); ++i) {
+      const std::int32_t label = labels.labels[i];
+      if (label > 0 && std::find(found.begin(), found.end(), label) == found.end()) found.push_back(label);
+    }
+  }
+  for (const std::int32_t label : found) {
+    BlockMoments sums = sumBlock(grid, center, cell.row_begin, cell.row_end, cell.col_begin, cell.col_end,
+                                 [&](int i, int count) { return labelsAt(labels, i, count) == fillMask(label); });
+    if (sums.moments.n == 0) continue;
+    if (found.size() == 1 && sums.moments.n == cell.moments.n) {  // the patch's own sums serve
+      out.shares.push_back({label, cell.moments});
+      continue;
+    }
+    const double sigma = noise.sigma(sums.meanRange());
+    sums.moments.scale(1.0 / (sigma * sigma));
+    out.shares.push_back({label, sums.moments});
+  }
+}
+
 // Renames the labels of the shares and adds up those that have become one in a cell.
 void rename(const std::vector<std::int32_t>& names, CellShares& cells) {
   std::size_t out = 0;
@@ -200,36 +230,22 @@ void rename(const std::vector<std::int32_t>& names, CellShares& cells) {
 }  // namespace
 
 CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels) {
+  return shareCells(grid, cells, noise, labels, CellShares(), std::vector<bool>(cells.patches.size(), true));
+}
+
+CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels,
+                      const CellShares& before, const std::vector<bool>& changed) {
   CellShares out;
   out.begin.reserve(cells.patches.size() + 1);
   out.shares.reserve(cells.patches.size());
   std::vector<std::int32_t> found;
-  for (const Patch& cell : cells.patches) {
+  for (std::size_t k = 0; k < cells.patches.size(); ++k) {
     out.begin.push_back(static_cast<int>(out.shares.size()));
-    // The usual cases first: one label on all pixels, or none.
-    const std::int32_t* corner = labels.labels.data() + grid.index(cell.row_begin, cell.col_begin);
-    if (uniform(corner, cell.row_end - cell.row_begin, cell.col_end - cell.col_begin, labels.cols)) {
-      if (*corner > 0 && cell.moments.n > 0) out.shares.push_back({*corner, cell.moments});
-      continue;
-    }
-    found.clear();
-    for (int r = cell.row_begin; r < cell.row_end; ++r) {
-      for (int i = grid.index(r, cell.col_begin); i < grid.index(r, cell.col_end); ++i) {
-        const std::int32_t label = labels.labels[i];
-        if (label > 0 && std::find(found.begin(), found.end(), label) == found.end()) found.push_back(label);
-      }
-    }
-    for (const std::int32_t label : found) {
-      BlockMoments sums = sumBlock(grid, cells.center, cell.row_begin, cell.row_end, cell.col_begin, cell.col_end,
-                                   [&](int i, int count) { return labelsAt(labels, i, count) == fillMask(label); });
-      if (sums.moments.n == 0) continue;
-      if (found.size() == 1 && sums.moments.n == cell.moments.n) {  // the patch's own sums serve
-        out.shares.push_back({label, cell.moments});
-        continue;
-      }
-      const double sigma = noise.sigma(sums.meanRange());
-      sums.moments.scale(1.0 / (sigma * sigma));
-      out.shares.push_back({label, sums.moments});
+    if (changed[k]) {
+      shareCell(grid, cells.patches[k], cells.center, noise, labels, found, out);
+    } else {
+      out.shares.insert(out.shares.end(), before.shares.begin() + before.begin[k],
+                        before.shares.begin() + before.begin[k + 1]);
     }
   }
   out.begin.push_back(static_cast<int>(out.shares.size()));

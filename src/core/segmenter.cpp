@@ -84,13 +84,14 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vecto
     lap("merging");
   }
   if (config.refine) {
-    labels = refineLabels(grid, patches, shares, labels, labelPlanes(shares), noise, tolerance);
+    std::vector<bool> changed;
+    labels = refineLabels(grid, patches, shares, labels, labelPlanes(shares), noise, tolerance, 1, &changed);
     lap("refinement");
     if (config.second_pass) {
       const std::int32_t first_new = addSmallRegions(grid, noise, tolerance, config, labels);
-      shares = shareCells(grid, patches, noise, labels);
-      labels = refineLabels(grid, patches, shares, labels, labelPlanes(shares), noise, tolerance, first_new);
-      shares = shareCells(grid, patches, noise, labels);
+      shares = shareCells(grid, patches, noise, labels, shares, changed);
+      labels = refineLabels(grid, patches, shares, labels, labelPlanes(shares), noise, tolerance, first_new, &changed);
+      shares = shareCells(grid, patches, noise, labels, shares, changed);
       if (config.merge) mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels);
       lap("second pass");
     }

@@ -18,9 +18,11 @@ LabelImage patchLabels(const BeamGrid& grid, const PatchGrid& patches, const Pat
 /// (the likelihoods of single points overlap at high noise), outliers capped. Points that no plane explains get 0.
 /// @param cells blocks of pixels, with the shares of the labels in each (shareCells). @param planes see labelPlanes().
 /// @param first_open pixels with a label below this one keep it; 1 resolves all.
+/// @param changed if given, set to whether the labels of each cell may have changed.
 LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares, const LabelImage& labels,
                         const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
-                        const CoplanarityTolerance& tolerance, std::int32_t first_open = 1);
+                        const CoplanarityTolerance& tolerance, std::int32_t first_open = 1,
+                        std::vector<bool>* changed = nullptr);
 
 /// @brief Splits labels into pieces that are connected in the image. Gaps of up to `gap_cols` columns or `gap_rows` rows are
 /// bridged.
