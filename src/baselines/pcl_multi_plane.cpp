@@ -10,19 +10,20 @@
 namespace ppc {
 namespace {
 
-// Chosen by hand, looking at simulated offices and stairs; not yet searched systematically.
-constexpr int kHalfWindow = 5;              // of the normals [columns]
-constexpr double kAngle = 0.06;             // between the normals of neighbours [rad]
-constexpr double kDistanceSigmas = 4.0;     // between the planes of neighbours, in sigmas of the median range
-constexpr double kMaximumCurvature = 0.01;  // of a region
-
 class PclMultiPlane : public PlaneSegmenter {
  public:
+  PclMultiPlane()
+      : PlaneSegmenter({{"half_window", 5, 1, 50, "half the width of the window of a normal [columns]"},
+                        {"angle", 0.06, 0.001, 1.6, "between the normals of neighbours [rad]"},
+                        {"distance", 4.0, 0.1, 100.0, "between the planes of neighbours [sigmas at the median range]"},
+                        {"curvature", 0.01, 0.0001, 0.34, "largest of a region [1]"}}) {}
+
   LabelImage label(const BeamGrid& grid, const Config& config, std::vector<StageTime>* stages) override {
     StageTimer timer(stages);
     const NoiseModel noise = noiseOf(grid, config);
     const auto cloud = toPclCloud(grid);
-    const auto normals = toPclNormals(grid, localPlanes(grid, noise, windowOf(grid, kHalfWindow)));
+    const auto normals =
+        toPclNormals(grid, localPlanes(grid, noise, windowOf(grid, static_cast<int>(parameter("half_window")))));
     timer.lap("normals");
 
     LabelImage image = noLabels(grid);
@@ -35,9 +36,9 @@ class PclMultiPlane : public PlaneSegmenter {
     planes.setInputCloud(cloud);
     planes.setInputNormals(normals);
     planes.setMinInliers(static_cast<unsigned>(config.min_size));
-    planes.setAngularThreshold(kAngle);
-    planes.setDistanceThreshold(kDistanceSigmas * noise.sigma(grid.range[*middle]));
-    planes.setMaximumCurvature(kMaximumCurvature);
+    planes.setAngularThreshold(parameter("angle"));
+    planes.setDistanceThreshold(parameter("distance") * noise.sigma(grid.range[*middle]));
+    planes.setMaximumCurvature(parameter("curvature"));
     std::vector<pcl::PlanarRegion<pcl::PointXYZ>, Eigen::aligned_allocator<pcl::PlanarRegion<pcl::PointXYZ>>> regions;
     std::vector<pcl::ModelCoefficients> coefficients;
     std::vector<pcl::PointIndices> inliers, label_indices, boundaries;

@@ -11,19 +11,20 @@
 namespace ppc {
 namespace {
 
-// Chosen by hand, looking at simulated offices and stairs; not yet searched systematically.
-constexpr int kHalfWindow = 5;        // of the normals [columns]
-constexpr unsigned kNeighbours = 20;  // of a point that a region may grow to
-constexpr float kSmoothness = 0.06F;  // largest angle between the normals of neighbours [rad]
-constexpr float kCurvature = 0.05F;   // a point of higher curvature does not grow on
-
 class PclRegionGrowing : public PlaneSegmenter {
  public:
+  PclRegionGrowing()
+      : PlaneSegmenter({{"half_window", 5, 1, 50, "half the width of the window of a normal [columns]"},
+                        {"neighbours", 20, 3, 200, "of a point that a region may grow to [points]"},
+                        {"smoothness", 0.06, 0.001, 1.6, "largest angle between the normals of neighbours [rad]"},
+                        {"curvature", 0.05, 0.0001, 0.34, "a point of higher curvature does not grow on [1]"}}) {}
+
   LabelImage label(const BeamGrid& grid, const Config& config, std::vector<StageTime>* stages) override {
     StageTimer timer(stages);
     const NoiseModel noise = noiseOf(grid, config);
     const auto cloud = toPclCloud(grid);
-    const auto normals = toPclNormals(grid, localPlanes(grid, noise, windowOf(grid, kHalfWindow)));
+    const auto normals =
+        toPclNormals(grid, localPlanes(grid, noise, windowOf(grid, static_cast<int>(parameter("half_window")))));
     timer.lap("normals");
 
     LabelImage labels = noLabels(grid);
@@ -37,11 +38,11 @@ class PclRegionGrowing : public PlaneSegmenter {
     growing.setMinClusterSize(config.min_size);
     growing.setMaxClusterSize(std::numeric_limits<int>::max());
     growing.setSearchMethod(tree);
-    growing.setNumberOfNeighbours(kNeighbours);
+    growing.setNumberOfNeighbours(static_cast<unsigned>(parameter("neighbours")));
     growing.setInputCloud(points);
     growing.setInputNormals(point_normals);
-    growing.setSmoothnessThreshold(kSmoothness);
-    growing.setCurvatureThreshold(kCurvature);
+    growing.setSmoothnessThreshold(static_cast<float>(parameter("smoothness")));
+    growing.setCurvatureThreshold(static_cast<float>(parameter("curvature")));
     std::vector<pcl::PointIndices> clusters;
     growing.extract(clusters);
     std::int32_t label = 0;

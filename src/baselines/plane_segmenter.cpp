@@ -4,6 +4,7 @@
 #include "methods.h"
 #include "patch_plane_clustering/core/segmenter.h"
 
+#include <sstream>
 #include <stdexcept>
 
 namespace ppc {
@@ -17,6 +18,29 @@ class PatchPlaneClustering : public PlaneSegmenter {
 };
 
 }  // namespace
+
+void PlaneSegmenter::setParameter(const std::string& name, double value) {
+  std::string known;
+  for (MethodParameter& each : parameters_) {
+    known += (known.empty() ? "" : ", ") + each.name;
+    if (each.name != name) continue;
+    if (!(each.min <= value && value <= each.max)) {
+      std::ostringstream message;
+      message << "parameter '" << name << "' = " << value << " is not in [" << each.min << ", " << each.max << "]";
+      throw std::invalid_argument(message.str());
+    }
+    each.value = value;
+    return;
+  }
+  throw std::invalid_argument("unknown parameter '" + name + "' of this method; it has " + (known.empty() ? "none" : known));
+}
+
+double PlaneSegmenter::parameter(const std::string& name) const {
+  for (const MethodParameter& each : parameters_) {
+    if (each.name == name) return each.value;
+  }
+  throw std::logic_error("no parameter " + name);
+}
 
 const std::vector<std::string>& segmenterNames() {
   static const std::vector<std::string> names = {"ppc", "region_growing", "pcl_region_growing", "pcl_multi_plane", "ransac"};

@@ -11,11 +11,8 @@
 namespace ppc {
 namespace {
 
-// Chosen by hand, looking at simulated offices and stairs; not yet searched systematically.
-constexpr double kDistanceSigmas = 2.5;  // of an inlier from the plane
-constexpr int kIterations = 400;         // a plane
-constexpr std::size_t kSample = 12000;   // planes are sought in so many of the points that are left
-constexpr int kFailures = 8;             // planes in a row without a part that is large enough
+constexpr std::size_t kSample = 12000;  // planes are sought in so many of the points that are left
+constexpr int kFailures = 8;            // planes in a row without a part that is large enough
 
 // Labels the parts of `pixels` that are connected in the image (8 neighbours) and large enough; all leave the pool.
 int labelParts(const BeamGrid& grid, const std::vector<int>& pixels, int min_size, std::vector<char>& in_pool,
@@ -52,6 +49,10 @@ int labelParts(const BeamGrid& grid, const std::vector<int>& pixels, int min_siz
 
 class Ransac : public PlaneSegmenter {
  public:
+  Ransac()
+      : PlaneSegmenter({{"distance", 2.5, 0.1, 100.0, "largest distance of an inlier from the plane [sigmas]"},
+                        {"iterations", 400, 1, 100000, "samples drawn for a plane [1]"}}) {}
+
   LabelImage label(const BeamGrid& grid, const Config& config, std::vector<StageTime>* stages) override {
     StageTimer timer(stages);
     const NoiseModel noise = noiseOf(grid, config);
@@ -65,11 +66,12 @@ class Ransac : public PlaneSegmenter {
       sigmas[i] = std::hypot(noise.sigma(grid.range[i]), config.sigma_distance);
     }
     std::int32_t label = 0;
+    const double distance = parameter("distance");
     for (int failures = 0; failures < kFailures && static_cast<int>(pool.size()) >= config.min_size;) {
       const Plane plane = bestPlane(cloud, pool, sigmas);
       std::vector<int> inliers;
       for (const int i : pool) {
-        if (std::abs(plane.signedDistance(grid.point(i).cast<double>())) < kDistanceSigmas * sigmas[i]) inliers.push_back(i);
+        if (std::abs(plane.signedDistance(grid.point(i).cast<double>())) < distance * sigmas[i]) inliers.push_back(i);
       }
       const int parts = labelParts(grid, inliers, config.min_size, in_pool, label, labels);
       failures = parts > 0 ? 0 : failures + 1;
@@ -84,8 +86,8 @@ class Ransac : public PlaneSegmenter {
   }
 
  private:
-  static Plane bestPlane(const pcl::PointCloud<pcl::PointXYZ>::Ptr& cloud, const std::vector<int>& pool,
-                         const std::vector<double>& sigmas) {
+  Plane bestPlane(const pcl::PointCloud<pcl::PointXYZ>::Ptr& cloud, const std::vector<int>& pool,
+                  const std::vector<double>& sigmas) const {
     pcl::PointIndices::Ptr sample(new pcl::PointIndices);
     const std::size_t step = std::max<std::size_t>(1, pool.size() / kSample);
     std::vector<double> spread;
@@ -97,8 +99,8 @@ class Ransac : public PlaneSegmenter {
     pcl::SACSegmentation<pcl::PointXYZ> ransac;  // not `random`: its seed is fixed
     ransac.setModelType(pcl::SACMODEL_PLANE);
     ransac.setMethodType(pcl::SAC_RANSAC);
-    ransac.setDistanceThreshold(kDistanceSigmas * spread[spread.size() / 2]);
-    ransac.setMaxIterations(kIterations);
+    ransac.setDistanceThreshold(parameter("distance") * spread[spread.size() / 2]);
+    ransac.setMaxIterations(static_cast<int>(parameter("iterations")));
     ransac.setOptimizeCoefficients(true);
     ransac.setInputCloud(cloud);
     ransac.setIndices(sample);

@@ -10,11 +10,13 @@
 namespace ppc {
 namespace {
 
-// Chosen by hand, looking at simulated offices and stairs; not yet searched systematically.
-constexpr int kSeedHalfWindow = 4;        // [columns]
-constexpr double kPointDistance = 3.0;    // of a point from the plane, in sigmas
-constexpr double kMeanSquareError = 1.6;  // of a region, in sigmas squared
-constexpr double kRefitGrowth = 1.03;     // the plane is fitted anew when the region has grown by this factor
+constexpr int kSeedHalfWindow = 4;     // [columns]
+constexpr double kRefitGrowth = 1.03;  // the plane is fitted anew when the region has grown by this factor
+
+struct Limits {
+  double point_distance;
+  double mean_square_error;
+};
 
 struct Candidate {
   float distance;  // from the seed [m]: a region that grows as a disc soon has a well-conditioned plane
@@ -27,7 +29,8 @@ struct Candidate {
 
 class Growing {
  public:
-  Growing(const BeamGrid& grid, const Config& config) : grid_(grid), config_(config), noise_(noiseOf(grid, config)) {
+  Growing(const BeamGrid& grid, const Config& config, const Limits& limits)
+      : grid_(grid), config_(config), limits_(limits), noise_(noiseOf(grid, config)) {
     labels_ = {grid.rows, grid.cols, std::vector<std::int32_t>(static_cast<std::size_t>(grid.size()), 0)};
     visited_.assign(labels_.labels.size(), 0);
   }
@@ -59,7 +62,7 @@ class Growing {
         const PointSums sums = windowSums(grid_, i, window_, gapAt(grid_.range[i], sigma));
         if (sums.n < 6) continue;
         const double flatness = fitPlane(sums).mean_square / (sigma * sigma);
-        if (flatness < kMeanSquareError) order.emplace_back(static_cast<float>(flatness), i);
+        if (flatness < limits_.mean_square_error) order.emplace_back(static_cast<float>(flatness), i);
       }
     }
     std::sort(order.begin(), order.end());
@@ -97,10 +100,10 @@ class Growing {
       if (visited_[i] == pass_) continue;
       const double sigma = sigmaAt(i);
       const double distance = local_.plane.signedDistance(grid_.point(i).cast<double>()) / sigma;
-      if (std::abs(distance) > kPointDistance) continue;
+      if (std::abs(distance) > limits_.point_distance) continue;
       if (std::abs(grid_.range[i] - grid_.range[candidate.parent]) > gapAt(grid_.range[i], sigma)) continue;
       const double error = (square + distance * distance) / (sums_.n + 1.0);
-      if (sums_.n > 50 && error > kMeanSquareError) continue;
+      if (sums_.n > 50 && error > limits_.mean_square_error) continue;
       square += distance * distance;
       take(i);
       if (sums_.n < next_fit) continue;
@@ -125,6 +128,7 @@ class Growing {
 
   const BeamGrid& grid_;
   const Config& config_;
+  Limits limits_;
   NoiseModel noise_;
   Window window_;
   LabelImage labels_;
@@ -141,9 +145,13 @@ class Growing {
 
 class RegionGrowing : public PlaneSegmenter {
  public:
+  RegionGrowing()
+      : PlaneSegmenter({{"point_distance", 3.0, 0.5, 20.0, "largest distance of a point from the plane [sigmas]"},
+                        {"mean_square_error", 1.6, 0.1, 100.0, "largest of a region [sigmas squared]"}}) {}
+
   LabelImage label(const BeamGrid& grid, const Config& config, std::vector<StageTime>* stages) override {
     StageTimer timer(stages);
-    return Growing(grid, config).run(timer);
+    return Growing(grid, config, {parameter("point_distance"), parameter("mean_square_error")}).run(timer);
   }
 };
 

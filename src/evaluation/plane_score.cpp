@@ -8,17 +8,21 @@
 
 namespace ppc {
 
-PlaneScore planeScore(const std::vector<PlanarRegion>& truth, const std::vector<PlanarRegion>& found,
-                      const RegionOverlap& overlap, const SegcompScore& matches) {
+namespace {
+
+struct Comparison {
+  const PlanarRegion* truth;
+  const PlanarRegion* found;
+};
+
+PlaneScore scoreOf(const std::vector<Comparison>& comparisons) {
   PlaneScore score;
-  for (const auto& [t, f] : matches.matches) {
-    const PlanarRegion* true_region = regionById(truth, overlap.true_ids[t]);
-    const PlanarRegion* found_region = regionById(found, overlap.found_ids[f]);
-    if (true_region == nullptr || found_region == nullptr) continue;
-    const Eigen::Vector3d& a = true_region->plane.normal;
-    const Eigen::Vector3d& b = found_region->plane.normal;
+  for (const Comparison& each : comparisons) {
+    if (each.truth == nullptr || each.found == nullptr) continue;
+    const Eigen::Vector3d& a = each.truth->plane.normal;
+    const Eigen::Vector3d& b = each.found->plane.normal;
     const double angle = std::atan2(a.cross(b).norm(), a.dot(b));  // exact for small angles, unlike acos
-    const double offset = std::abs(found_region->plane.signedDistance(true_region->centroid));
+    const double offset = std::abs(each.found->plane.signedDistance(each.truth->centroid));
     ++score.matched;
     score.mean_normal_error += angle;
     score.mean_offset_error += offset;
@@ -30,6 +34,27 @@ PlaneScore planeScore(const std::vector<PlanarRegion>& truth, const std::vector<
     score.mean_offset_error /= score.matched;
   }
   return score;
+}
+
+}  // namespace
+
+PlaneScore planeScore(const std::vector<PlanarRegion>& truth, const std::vector<PlanarRegion>& found,
+                      const RegionOverlap& overlap, const SegcompScore& matches) {
+  std::vector<Comparison> all;
+  for (const auto& [t, f] : matches.matches) {
+    all.push_back({regionById(truth, overlap.true_ids[t]), regionById(found, overlap.found_ids[f])});
+  }
+  return scoreOf(all);
+}
+
+PlaneScore refitScore(const std::vector<PlanarRegion>& truth, const std::vector<PlanarRegion>& refits,
+                      const RegionOverlap& overlap, const SegcompScore& matches) {
+  std::vector<Comparison> all;
+  for (const auto& match : matches.matches) {
+    const std::int32_t id = overlap.true_ids[match.first];
+    all.push_back({regionById(truth, id), regionById(refits, id)});
+  }
+  return scoreOf(all);
 }
 
 }  // namespace ppc

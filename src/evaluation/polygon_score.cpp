@@ -146,4 +146,10 @@ PolygonQuality polygonQuality(const std::vector<PlanarRegion>& regions, const st
   return quality;
 }
 
+double compression(int points, const PolygonQuality& quality) {
+  const double rings = quality.polygons + quality.holes;
+  const double bytes = 12.0 * quality.vertices + 32.0 * quality.polygons + 4.0 * rings;
+  return quality.polygons > 0 ? 12.0 * points / bytes : 0.0;
+}
+
 }  // namespace ppc

@@ -116,5 +116,41 @@ TEST(MakeSegmenter, AnUnknownNameListsTheKnownOnes) {
   }
 }
 
+TEST(MethodParameters, AreWithinTheirRanges) {
+  for (const std::string& name : segmenterNames()) {
+    const auto method = makeSegmenter(name);
+    for (const MethodParameter& each : method->parameters()) {
+      EXPECT_LE(each.min, each.value) << name << " " << each.name;
+      EXPECT_GE(each.max, each.value) << name << " " << each.name;
+      EXPECT_THROW(method->setParameter(each.name, each.max + 1.0), std::invalid_argument);
+      EXPECT_THROW(method->setParameter(each.name, std::nan("")), std::invalid_argument);
+    }
+    EXPECT_THROW(method->setParameter("no_such", 1.0), std::invalid_argument);
+    EXPECT_EQ(method->parameters().empty(), name == "ppc");
+  }
+}
+
+TEST(MethodParameters, ChangeTheResult) {
+  const BeamGrid grid = corner();
+  for (const auto& [name, parameter] :
+       std::vector<std::pair<std::string, std::string>>{{"region_growing", "point_distance"},
+
+                                                        {"pcl_region_growing", "smoothness"},
+                                                        {"pcl_region_growing", "half_window"},
+                                                        {"pcl_multi_plane", "angle"},
+                                                        {"pcl_multi_plane", "distance"},
+                                                        {"ransac", "distance"}}) {
+    const auto method = makeSegmenter(name);
+    const std::vector<std::int32_t> before = method->label(grid, Config(), nullptr).labels;
+    for (const MethodParameter& each : method->parameters()) {
+      if (each.name == parameter) {
+        method->setParameter(parameter, each.min);
+        break;
+      }
+    }
+    EXPECT_NE(method->label(grid, Config(), nullptr).labels, before) << name << " " << parameter;
+  }
+}
+
 }  // namespace
 }  // namespace ppc

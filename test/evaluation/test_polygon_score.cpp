@@ -121,5 +121,30 @@ TEST(PlaneScore, AnglesAndOffsetsOfMatchedRegions) {
   EXPECT_NEAR(score.mean_offset_error, 0.05 * std::cos(turn), 1e-12);
 }
 
+TEST(PlaneScore, ARefitIsComparedWithTheTruthOfItsOwnRegion) {
+  const PlanarRegion truth_a = wallAt(2.0, 1), truth_b = wallAt(3.0, 2);
+  const PlanarRegion refit_a = wallAt(2.01, 1), refit_b = wallAt(3.03, 2);
+  RegionOverlap overlap;
+  overlap.true_ids = {1, 2};
+  overlap.found_ids = {7, 9};
+  SegcompScore matches;
+  matches.matches = {{1, 0}};  // only the second region was found
+  PlanarRegion truth = truth_b;
+  truth.centroid = {3.0, 0.5, 0.2};
+  const PlaneScore score = refitScore({truth_a, truth}, {refit_a, refit_b}, overlap, matches);
+  EXPECT_EQ(score.matched, 1);
+  EXPECT_NEAR(score.mean_offset_error, 0.03, 1e-12);
+  EXPECT_NEAR(score.mean_normal_error, 0.0, 1e-12);
+}
+
+TEST(Compression, IsBytesOfPointsOverBytesOfPolygons) {
+  PolygonQuality quality;
+  EXPECT_DOUBLE_EQ(compression(1000, quality), 0.0);
+  quality.polygons = 2;
+  quality.holes = 1;
+  quality.vertices = 4 + 4 + 6;
+  EXPECT_DOUBLE_EQ(compression(10000, quality), 120000.0 / (14 * 12 + 2 * 32 + 3 * 4));
+}
+
 }  // namespace
 }  // namespace ppc

@@ -195,7 +195,7 @@ class Simulated(WithFolder):
         super().setUp()
         self.bag, self.cloud, self.truth = (self.folder / n for n in ("s.bag", "s.pcd", "t.png"))
         run = ppc("simulate", "--scene", "corridor", "--sensor", "urg_04lx", "--lines", 80, "--sweeps", 2, "--seed", 5,
-                  "--bag", self.bag, "--pcd", self.cloud, "--truth", self.truth)
+                  "--bag", self.bag, "--pcd", self.cloud, "--truth", self.truth, "--truth-planes", self.folder / "tp.json")
         self.assertEqual(run.returncode, 0, run.stderr)
 
     def test_segments_a_bag_into_numbered_outputs(self):
@@ -258,9 +258,30 @@ class Simulated(WithFolder):
         self.assertEqual(correct, sorted(correct, reverse=True))
         self.assertEqual(scores["from_polygons"]["invalid"], 0)
         self.assertGreater(scores["from_polygons"]["mean_iou"], scores["mean_iou"] - 0.1)
+        self.assertLess(scores["from_polygons"]["boundary_error"], 0.1)
+        self.assertGreater(scores["from_polygons"]["compression"], 50)
+        polygon_count = len(json.loads(polygons.read_text())["planes"])
+        self.assertEqual(scores["from_polygons"]["polygons"], polygon_count)
+        self.assertAlmostEqual(scores["from_polygons"]["vertices_per_polygon"],
+                               scores["from_polygons"]["vertices"] / polygon_count)
 
         perfect = json.loads(ppc("evaluate", "--truth", truth, "--labels", truth).stdout)
         self.assertEqual((perfect["f1"], perfect["mean_iou"], perfect["spurious"]), (1.0, 1.0, 0))
+
+    def test_errors_are_also_against_the_true_planes(self):
+        truth, cloud, planes = self.folder / "t-0000.png", self.folder / "s-0000.pcd", self.folder / "tp-0000.json"
+        run = ppc("evaluate", "--truth", truth, "--labels", truth, "--cloud", cloud, "--truth-planes", planes)
+        errors = json.loads(run.stdout)["planes"]
+        # The true labels themselves: what is found is the refit, whose errors are those of the noise.
+        self.assertEqual(errors["normal_error_deg"], 0.0)
+        self.assertEqual(errors["true_normal_error_deg"], errors["refit_normal_error_deg"])
+        self.assertEqual(errors["true_offset_error_mm"], errors["refit_offset_error_mm"])
+        self.assertGreater(errors["refit_normal_error_deg"], 0.001)
+        self.assertLess(errors["refit_normal_error_deg"], 2.0)
+        self.assertLess(errors["refit_offset_error_mm"], 10.0)
+        self.assertEqual(ppc("evaluate", "--truth", truth, "--labels", truth, "--truth-planes", planes).returncode, 1)
+        self.assertEqual(ppc("evaluate", "--truth", truth, "--labels", truth, "--cloud", cloud, "--truth-planes",
+                             cloud).returncode, 1)
 
     def test_several_images_get_their_mean(self):
         truths = [self.folder / ("t-%04d.png" % i) for i in range(2)]

@@ -11,6 +11,14 @@
 
 namespace ppc {
 
+/// @brief A parameter that one method has for itself, beyond Config.
+struct MethodParameter {
+  std::string name;
+  double value = 0.0;
+  double min = 0.0, max = 0.0;
+  std::string description;  ///< ends with the unit in brackets
+};
+
 /// @brief A method that labels the planar regions of a grid of beams. PPC and the methods it is compared with share it.
 class PlaneSegmenter {
  public:
@@ -18,6 +26,21 @@ class PlaneSegmenter {
 
   /// Labels 1..N in any order, 0 = none. Stage times are appended if asked for. Not thread-safe on one object.
   virtual LabelImage label(const BeamGrid& grid, const Config& config, std::vector<StageTime>* stages) = 0;
+
+  /// Parameters of the method's own; PPC has none, all of its are in Config.
+  const std::vector<MethodParameter>& parameters() const { return parameters_; }
+
+  /// Changes one. @throws std::invalid_argument naming the parameter, the value and what is allowed.
+  void setParameter(const std::string& name, double value);
+
+ protected:
+  PlaneSegmenter() = default;
+  explicit PlaneSegmenter(std::vector<MethodParameter> parameters) : parameters_(std::move(parameters)) {}
+  /// Value of a parameter. Precondition: there is one of that name.
+  double parameter(const std::string& name) const;
+
+ private:
+  std::vector<MethodParameter> parameters_;
 };
 
 /// @brief Names of all methods: ppc, region_growing, pcl_region_growing, pcl_multi_plane, ransac.

@@ -21,4 +21,9 @@ struct PlaneScore {
 PlaneScore planeScore(const std::vector<PlanarRegion>& truth, const std::vector<PlanarRegion>& found,
                       const RegionOverlap& overlap, const SegcompScore& matches);
 
+/// @brief The same for fits to the true pixels: the error that the data leave to any method. @param refits planes fitted to
+/// the pixels of the true regions, by id, ascending.
+PlaneScore refitScore(const std::vector<PlanarRegion>& truth, const std::vector<PlanarRegion>& refits,
+                      const RegionOverlap& overlap, const SegcompScore& matches);
+
 }  // namespace ppc

@@ -28,6 +28,10 @@ struct PolygonQuality {
   double largest_off_plane = 0.0;  ///< largest distance of a vertex from its plane [m]
 };
 
+/// @brief Bytes of the points over bytes of the polygons: 12 a point and a vertex (three floats), 32 a plane (four doubles),
+/// 4 a ring (its length). 0 without polygons.
+double compression(int points, const PolygonQuality& quality);
+
 /// @brief Checks every polygon on its plane: finite, simple, holes inside and apart, outer ring counter-clockwise and holes
 /// clockwise seen from the sensor (against the normal).
 PolygonQuality polygonQuality(const std::vector<PlanarRegion>& regions, const std::vector<PlanarPolygon>& polygons);

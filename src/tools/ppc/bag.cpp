@@ -31,7 +31,7 @@ struct Options {
 class Writer {
  public:
   Writer(const Options& options, rosbag::Bag& out)
-      : options_(options), config_(options.method.config()), method_(makeSegmenter(options.method.method)), out_(out) {}
+      : options_(options), config_(options.method.config()), method_(options.method.segmenter()), out_(out) {}
 
   void copy(const rosbag::MessageInstance& message) {
     if (!options_.only_new) out_.write(message.getTopic(), message.getTime(), message, message.getConnectionHeader());

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_file.h"
 #include "patch_plane_clustering/core/region_statistics.h"
+#include "patch_plane_clustering/evaluation/boundary_score.h"
+#include "patch_plane_clustering/evaluation/hole_score.h"
 #include "patch_plane_clustering/evaluation/plane_score.h"
 #include "patch_plane_clustering/evaluation/polygon_score.h"
 #include "patch_plane_clustering/evaluation/segcomp.h"
@@ -24,6 +26,7 @@ struct EvaluateOptions {
   std::vector<std::string> labels;
   std::vector<std::string> clouds;
   std::vector<std::string> polygons;
+  std::vector<std::string> truth_planes;
   int min_region = 400;
   double tolerance = 0.8;
 };
@@ -79,22 +82,57 @@ Json planeJson(const std::vector<PlanarRegion>& truth, const std::vector<PlanarR
           {"worst_offset_error_mm", score.worst_offset_error * 1e3}};
 }
 
+// Against the planes themselves, not a fit: errors of the found ones, and those that a fit to the true pixels has.
+void addTrueErrors(std::vector<PlanarRegion> ideal, const std::vector<PlanarRegion>& refits,
+                   const std::vector<PlanarRegion>& found, const RegionOverlap& overlap, double tolerance, Json& json) {
+  for (PlanarRegion& plane : ideal) {
+    for (const PlanarRegion& refit : refits) {
+      if (refit.id == plane.id)
+        plane.centroid = refit.centroid - plane.plane.signedDistance(refit.centroid) * plane.plane.normal;
+    }
+  }
+  const SegcompScore matches = segcomp(overlap, tolerance);
+  const PlaneScore score = planeScore(ideal, found, overlap, matches);
+  const PlaneScore refit = refitScore(ideal, refits, overlap, matches);
+  json["true_normal_error_deg"] = score.mean_normal_error * 180.0 / M_PI;
+  json["true_offset_error_mm"] = score.mean_offset_error * 1e3;
+  json["refit_normal_error_deg"] = refit.mean_normal_error * 180.0 / M_PI;
+  json["refit_offset_error_mm"] = refit.mean_offset_error * 1e3;
+}
+
 // What needs the points: planes against a fit to the true pixels, and polygons rendered back along every beam.
 void scoreWithCloud(const EvaluateOptions& options, const BeamGrid& grid, const LabelImage& truth, const LabelImage& found,
-                    const std::string& polygons_file, Json& line) {
-  const std::vector<PlanarRegion> true_planes = describeRegions(grid, truth);
+                    const std::string& polygons_file, const std::string& planes_file, Json& line) {
+  const std::vector<PlanarRegion> refits = describeRegions(grid, truth);
+  const std::vector<PlanarRegion> found_planes = describeRegions(grid, found);
   const RegionOverlap overlap = overlapOf(truth, found, options.min_region);
-  line["planes"] = planeJson(true_planes, describeRegions(grid, found), overlap, options.tolerance);
+  line["planes"] = planeJson(refits, found_planes, overlap, options.tolerance);
+  if (!planes_file.empty()) {
+    addTrueErrors(readPlanes(planes_file), refits, found_planes, overlap, options.tolerance, line["planes"]);
+  }
   if (polygons_file.empty()) return;
   const Segmentation polygons = readPolygons(polygons_file);
   const PolygonQuality quality = polygonQuality(polygons.regions, polygons.polygons);
-  const LabelImage rendered = withoutUnmeasured(grid, renderPolygons(grid, polygons.regions, polygons.polygons));
+  const LabelImage all = renderPolygons(grid, polygons.regions, polygons.polygons);
+  const LabelImage rendered = withoutUnmeasured(grid, all);
   Json json = score(truth, rendered, options);
   const RegionOverlap rendered_overlap = overlapOf(truth, rendered, options.min_region);
-  json["planes"] = planeJson(true_planes, polygons.regions, rendered_overlap, options.tolerance);
+  json["planes"] = planeJson(refits, polygons.regions, rendered_overlap, options.tolerance);
   json["polygons"] = quality.polygons;
   json["holes"] = quality.holes;
+  const HoleScore holes = holeScore(truth, all, rendered_overlap);
+  json["true_holes"] = holes.true_holes;
+  json["holes_found"] = holes.found_holes;
+  json["hole_recall"] = holes.true_holes > 0 ? Json(static_cast<double>(holes.found_holes) / holes.true_holes) : Json();
+  const BoundaryScore boundary =
+      boundaryScore(grid, truth, refits, polygons.polygons, rendered_overlap, segcomp(rendered_overlap, options.tolerance));
+  json["boundary_error"] = boundary.regions > 0 ? Json(boundary.mean_error) : Json();
   json["vertices"] = quality.vertices;
+  json["vertices_per_polygon"] =
+      quality.polygons > 0 ? Json(static_cast<double>(quality.vertices) / quality.polygons) : Json();
+  int points = 0;
+  for (int i = 0; i < grid.size(); ++i) points += grid.valid(i) ? 1 : 0;
+  json["compression"] = quality.polygons > 0 ? Json(compression(points, quality)) : Json();
   json["invalid"] = quality.invalid;
   if (quality.invalid > 0) json["first_fault"] = quality.first_fault;
   json["largest_off_plane"] = quality.largest_off_plane;
@@ -146,6 +184,10 @@ void run(const EvaluateOptions& options) {
   if (!options.polygons.empty() && (options.polygons.size() != n || options.clouds.empty())) {
     throw std::runtime_error("--polygons needs one file for each --labels file, and --cloud for the beams");
   }
+  if (!options.truth_planes.empty()) {
+    if (options.clouds.empty()) throw std::runtime_error("--truth-planes needs --cloud for the points");
+    requireCount(options.truth_planes, n, "--truth-planes");
+  }
   std::fprintf(stderr, "%-32s", "image");
   for (const auto& column : columns()) std::fprintf(stderr, " %9s", column.c_str());
   std::fprintf(stderr, "\n");
@@ -164,7 +206,10 @@ void run(const EvaluateOptions& options) {
         labels = withoutUnmeasured(grid, std::move(labels));
         line.update(score(true_labels, labels, options));
         const std::string polygons = options.polygons.empty() ? "" : options.polygons[i];
-        scoreWithCloud(options, grid, true_labels, labels, polygons, line);
+        const std::string planes = options.truth_planes.empty()       ? ""
+                                   : options.truth_planes.size() == 1 ? options.truth_planes[0]
+                                                                      : options.truth_planes[i];
+        scoreWithCloud(options, grid, true_labels, labels, polygons, planes, line);
       }
     } catch (const std::invalid_argument& error) {
       throw std::runtime_error(options.labels[i] + ": " + error.what());
@@ -199,7 +244,10 @@ void addEvaluate(CLI::App& app) {
                       "pixels; pixels without a measurement are then left out of all scores");
   command->add_option("--polygons", options->polygons,
                       "Polygons (JSON), rendered back along every beam of the cloud and "
-                      "scored as labels are; with their validity and size");
+                      "scored as labels are; with their boundary errors, holes, validity, vertices and compression");
+  command->add_option("--truth-planes", options->truth_planes,
+                      "True planes (JSON, by ppc simulate --truth-planes): adds errors against these, and those of a fit to "
+                      "the true pixels");
   command->add_option("--min-region", options->min_region, "True regions of fewer pixels are ignored")
       ->capture_default_str();
   command->add_option("--tolerance", options->tolerance, "Overlap of a correct detection")

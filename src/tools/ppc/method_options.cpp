@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "method_options.h"
 
-#include "files.h"
-#include "patch_plane_clustering/baselines/plane_segmenter.h"
-
 #include <yaml-cpp/yaml.h>
+#include "files.h"
 
 #include <stdexcept>
 
@@ -38,6 +36,29 @@ void MethodOptions::addTo(CLI::App& command) {
   command.add_option("--set", settings, "Sets one parameter, name=value; may be repeated. Names: " + names)
       ->expected(1)
       ->take_all();
+  std::string own;
+  for (const std::string& name : segmenterNames()) {
+    std::string list;
+    const auto each_method = makeSegmenter(name);
+    for (const MethodParameter& each : each_method->parameters()) list += (list.empty() ? "" : ", ") + each.name;
+    if (!list.empty()) own += (own.empty() ? "" : "; ") + name + ": " + list;
+  }
+  command.add_option("--tune", tuning, "Sets a parameter of a method other than ppc, name=value; may be repeated. " + own)
+      ->expected(1)
+      ->take_all();
+}
+
+std::unique_ptr<PlaneSegmenter> MethodOptions::segmenter() const {
+  std::unique_ptr<PlaneSegmenter> made = makeSegmenter(method);
+  for (const std::string& setting : tuning) {
+    const auto equals = setting.find('=');
+    double value = 0.0;
+    if (equals == std::string::npos || !CLI::detail::lexical_cast(setting.substr(equals + 1), value)) {
+      throw std::runtime_error("--tune " + setting + ": expected name=number");
+    }
+    made->setParameter(setting.substr(0, equals), value);
+  }
+  return made;
 }
 
 Config MethodOptions::config() const {

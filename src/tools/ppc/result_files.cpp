@@ -115,6 +115,26 @@ Segmentation readPolygons(const std::string& path) {
   return result;
 }
 
+std::vector<PlanarRegion> readPlanes(const std::string& path) {
+  requireReadableFile(path);
+  std::vector<PlanarRegion> planes;
+  try {
+    std::ifstream in(path);
+    const Json json = Json::parse(in);
+    for (const Json& plane : json.at("planes")) {
+      const Json& normal = plane.at("normal");
+      PlanarRegion region;
+      region.id = plane.at("id");
+      region.plane = {Eigen::Vector3d(normal.at(0), normal.at(1), normal.at(2)), plane.at("d")};
+      planes.push_back(region);
+    }
+  } catch (const nlohmann::json::exception& error) {
+    throw std::runtime_error(path + ": is not a file of planes (" + error.what() + ")");
+  }
+  std::sort(planes.begin(), planes.end(), [](const PlanarRegion& a, const PlanarRegion& b) { return a.id < b.id; });
+  return planes;
+}
+
 Json statisticsJson(const BeamGrid& grid, const Segmentation& result) {
   int planar = 0;
   double squares = 0.0;

@@ -8,6 +8,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include <string>
+#include <vector>
 
 namespace ppc {
 
@@ -30,6 +31,10 @@ nlohmann::ordered_json polygonsJson(const BeamGrid& grid, const Segmentation& re
 /// @brief Planes and polygons of a file of polygonsJson(); other members of Segmentation stay empty.
 /// @throws std::runtime_error naming the file and the cause.
 Segmentation readPolygons(const std::string& path);
+
+/// @brief Planes of a file {"planes": [{"id", "normal", "d"}]}, ascending ids; other members stay empty.
+/// @throws std::runtime_error naming the file and the cause.
+std::vector<PlanarRegion> readPlanes(const std::string& path);
 
 /// @brief Counts and times of one segmentation; the names of stages and their milliseconds under "stages_ms".
 nlohmann::ordered_json statisticsJson(const BeamGrid& grid, const Segmentation& result);

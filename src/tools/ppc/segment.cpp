@@ -65,7 +65,7 @@ void segmentImage(const SegmentOptions& options, const Config& config, PlaneSegm
 void run(const SegmentOptions& options) {
   for (const auto& path : {options.labels, options.polygons, options.mesh, options.picture}) requireWritable(path);
   const Config config = options.method.config();
-  const auto method = makeSegmenter(options.method.method);
+  const auto method = options.method.segmenter();
   if (std::filesystem::path(options.input).extension() != ".bag") {
     segmentImage(options, config, *method, readCloud(options.input), {}, 0, false);
     return;

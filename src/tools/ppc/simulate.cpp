@@ -12,7 +12,9 @@
 #include <pcl/point_types.h>
 #include <rosbag/exceptions.h>
 #include <CLI/CLI.hpp>
+#include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
 namespace ppc {
@@ -29,7 +31,7 @@ struct Options {
   double amplitude_deg = 60.0;
   std::vector<double> lever_arm{0.0, 0.0, 0.0}, mount_rpy{0.0, 0.0, 0.0};
   std::vector<std::string> errors;
-  std::string bag, pcd, truth;
+  std::string bag, pcd, truth, truth_planes;
   bool pieces = false;
 };
 
@@ -80,9 +82,23 @@ void writeLabels(const LabelImage& labels, const std::string& path) {
   writeImage(path, picture);
 }
 
+// The ideal plane of every label, by the scene's ids of the same pixels.
+std::string planesJson(const sim::Scene& scene, const LabelImage& ids, const LabelImage& labels) {
+  std::map<std::int32_t, std::int32_t> id_of;
+  for (std::size_t i = 0; i < labels.labels.size(); ++i) {
+    if (labels.labels[i] > 0) id_of[labels.labels[i]] = ids.labels[i];
+  }
+  nlohmann::ordered_json planes = nlohmann::ordered_json::array();
+  for (const auto& [label, id] : id_of) {
+    const Plane plane = scene.planeInBase(id);
+    planes.push_back({{"id", label}, {"normal", {plane.normal.x(), plane.normal.y(), plane.normal.z()}}, {"d", plane.d}});
+  }
+  return nlohmann::ordered_json{{"planes", planes}}.dump(1) + "\n";
+}
+
 void run(const Options& o) {
-  if (o.bag.empty() && o.pcd.empty() && o.truth.empty()) {
-    throw std::invalid_argument("nothing to write: give --bag, --pcd or --truth");
+  if (o.bag.empty() && o.pcd.empty() && o.truth.empty() && o.truth_planes.empty()) {
+    throw std::invalid_argument("nothing to write: give --bag, --pcd, --truth or --truth-planes");
   }
   const sim::Scanner scanner(sim::makeScene(o.scene, o.seed), scannerOptions(o), o.seed);
   if (!o.bag.empty()) {
@@ -94,12 +110,16 @@ void run(const Options& o) {
       }
     });
   }
-  if (o.pcd.empty() && o.truth.empty()) return;
+  if (o.pcd.empty() && o.truth.empty() && o.truth_planes.empty()) return;
   for (int i = 0; i < o.sweeps; ++i) {
     sim::Sweep sweep = scanner.sweep(i);
+    const LabelImage ids = sweep.labels;
     if (o.pieces) splitComponents(kPieceGap, kPieceGap, sweep.labels);
     if (!o.pcd.empty()) writeCloud(sweep.image, numbered(o.pcd, i, o.sweeps > 1));
     if (!o.truth.empty()) writeLabels(sweep.labels, numbered(o.truth, i, o.sweeps > 1));
+    if (!o.truth_planes.empty()) {
+      writeText(numbered(o.truth_planes, i, o.sweeps > 1), planesJson(scanner.scene(), ids, sweep.labels));
+    }
   }
 }
 
@@ -135,6 +155,7 @@ void addSimulate(CLI::App& app) {
   sub->add_option("--bag", o->bag, "Bag to write: /scan, /joint_states (tilt_joint), /tf (tilt_base -> laser)");
   sub->add_option("--pcd", o->pcd, "Organised cloud to write (x y z, NaN = invalid); numbered if there are several sweeps");
   sub->add_option("--truth", o->truth, "Ground-truth labels to write (16-bit PNG, 0 = no plane); numbered likewise");
+  sub->add_option("--truth-planes", o->truth_planes, "Ideal plane of each label to write (JSON); numbered likewise");
   sub->add_flag("--truth-pieces", o->pieces,
                 "Label each piece of a plane that is connected in the image (gaps of 2 bridged) apart");
   sub->callback([o] { run(*o); });
