@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/contours.h"
 
+#include "patch_plane_clustering/core/label_runs.h"
+
+#include <memory>
+#include <utility>
+
 namespace ppc {
 namespace {
 
@@ -10,24 +15,37 @@ constexpr int kColStep[4] = {1, 0, -1, 0};
 constexpr int kDown = 1;
 constexpr int kUp = 3;
 
+// Pixels of one label side by side in a row.
+struct Run {
+  std::int32_t label;
+  int row, begin, end;
+};
+
 class Tracer {
  public:
+  // The sides of a pixel are only looked at where runs begin and end: the rest stays untouched.
   explicit Tracer(const LabelImage& labels)
-      : labels_(labels), left_(labels.labels.size(), kUnseen), right_seen_(labels.labels.size(), 0) {}
+      : labels_(labels), left_(new int[labels.labels.size()]), right_seen_(new bool[labels.labels.size()]) {}
 
   PixelContours run() {
+    std::vector<Run> runs;
     for (int r = 0; r < labels_.rows; ++r) {
       const std::int32_t* line = labels_.labels.data() + offset(r, 0);
-      for (int c = 0; c < labels_.cols;) {
-        const std::int32_t label = line[c];
-        const int first = c++;
-        while (c < labels_.cols && line[c] == label) ++c;
-        if (label <= 0) continue;
-        // The first side met of a new component is the left side of its topmost row: part of the outer ring.
-        if (left_[offset(r, first)] == kUnseen) trace(r + 1, first, kUp, label, result_.components++, false);
-        // The first side met of a new hole is the right side of the run before it.
-        if (right_seen_[offset(r, c - 1)] == 0) trace(r, c, kDown, label, left_[offset(r, first)], true);
+      for (int begin = 0, end = 0; begin < labels_.cols; begin = end) {
+        end = runEnd(line, begin, labels_.cols);
+        if (line[begin] <= 0) continue;
+        runs.push_back({line[begin], r, begin, end});
+        left_[offset(r, begin)] = kUnseen;
+        right_seen_[offset(r, end - 1)] = false;
       }
+    }
+    result_.corners.reserve(4 * runs.size());
+    for (const Run& run : runs) {
+      // The first side met of a new component is the left side of its topmost row: part of the outer ring.
+      const int& component = left_[offset(run.row, run.begin)];
+      if (component == kUnseen) trace(run.row + 1, run.begin, kUp, run.label, result_.components++, false);
+      // The first side met of a new hole is the right side of the run before it.
+      if (!right_seen_[offset(run.row, run.end - 1)]) trace(run.row, run.end, kDown, run.label, component, true);
     }
     return std::move(result_);
   }
@@ -35,7 +53,9 @@ class Tracer {
  private:
   static constexpr int kUnseen = -1;
 
-  std::size_t offset(int r, int c) const { return static_cast<std::size_t>(r) * static_cast<std::size_t>(labels_.cols) + c; }
+  std::size_t offset(int r, int c) const {
+    return static_cast<std::size_t>(r) * static_cast<std::size_t>(labels_.cols) + static_cast<std::size_t>(c);
+  }
 
   bool inside(int r, int c, std::int32_t label) const {
     return r >= 0 && r < labels_.rows && c >= 0 && c < labels_.cols && labels_.labels[offset(r, c)] == label;
@@ -50,7 +70,7 @@ class Tracer {
         left_[offset(row - 1, col)] = component;
         area -= col;
       } else if (direction == kDown) {
-        right_seen_[offset(row, col - 1)] = 1;
+        right_seen_[offset(row, col - 1)] = true;
         area += col;
       }
       row += kRowStep[direction];
@@ -79,8 +99,8 @@ class Tracer {
   }
 
   const LabelImage& labels_;
-  std::vector<int> left_;                 // component whose outline runs along the left side of a pixel
-  std::vector<std::uint8_t> right_seen_;  // whether an outline along the right side of a pixel has been followed
+  std::unique_ptr<int[]> left_;         // component whose outline runs along the left side of a pixel
+  std::unique_ptr<bool[]> right_seen_;  // whether an outline along the right side of a pixel has been followed
   PixelContours result_;
 };
 

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace ppc {
 namespace {
@@ -15,10 +16,26 @@ constexpr double kRangeFactor = 1.25;
 // How far the corner of a diagonal touch moves into its own pixel, in pixels.
 constexpr double kPull = 0.25;
 
+// One coordinate between four pixels (row by row), and how it changes from row to row and from column to column there.
+inline void interpolate(const float* values, const int (&pixels)[4], double fr, double fc, double& value, double& per_row,
+                        double& per_col) {
+  const double v00 = values[pixels[0]], v01 = values[pixels[1]], v10 = values[pixels[2]], v11 = values[pixels[3]];
+  const double upper_step = v01 - v00, lower_step = v11 - v10;
+  const double upper = v00 + fc * upper_step;
+  const double lower = v10 + fc * lower_step;
+  per_row = lower - upper;
+  per_col = upper_step + fr * (lower_step - upper_step);
+  value = upper + fr * per_row;
+}
+
 }  // namespace
 
 CornerProjection::CornerProjection(const BeamGrid& grid, const LabelImage& labels, const PlanarRegion& region)
-    : grid_(grid), labels_(labels), region_(region) {
+    : grid_(grid),
+      labels_(labels),
+      region_(region),
+      directions_{grid.dir_x.data(), grid.dir_y.data(), grid.dir_z.data()},
+      origins_{grid.origin_x.data(), grid.origin_y.data(), grid.origin_z.data()} {
   const Eigen::Vector3d& n = region.plane.normal;
   centre_ = region.centroid - region.plane.signedDistance(region.centroid) * n;
   axis_x_ = n.unitOrthogonal();
@@ -26,43 +43,29 @@ CornerProjection::CornerProjection(const BeamGrid& grid, const LabelImage& label
   shortest_ = longest_ = std::max(1e-3, region.centroid.norm());
 }
 
-CornerProjection::Cut CornerProjection::cut(double row, double col) {
-  const int r0 = std::clamp(static_cast<int>(std::floor(row)), 0, std::max(0, grid_.rows - 2));
-  const int c0 = std::clamp(static_cast<int>(std::floor(col)), 0, std::max(0, grid_.cols - 2));
+CornerProjection::Cut CornerProjection::cut(const PixelCorner& corner) {
+  // The corner lies half a pixel before its pixel's centre, or a little off if it is pulled.
+  const int r0 = std::clamp(corner.row - 1, 0, std::max(0, grid_.rows - 2));
+  const int c0 = std::clamp(corner.col - 1, 0, std::max(0, grid_.cols - 2));
   const int r1 = std::min(r0 + 1, grid_.rows - 1);
   const int c1 = std::min(c0 + 1, grid_.cols - 1);
   const int pixels[4] = {grid_.index(r0, c0), grid_.index(r0, c1), grid_.index(r1, c0), grid_.index(r1, c1)};
-  const double fr = row - r0, fc = col - c0;  // -0.5 and 1.5 at the border: the same expression extrapolates
+  // -0.5 and 1.5 at the border: the same expression extrapolates.
+  const double fr = corner.row - 0.5 + kPull * corner.pull_row - r0, fc = corner.col - 0.5 + kPull * corner.pull_col - c0;
+  measureAround(pixels);
 
-  double shortest = INFINITY, longest = 0.0;
-  for (const int i : pixels) {
-    if (labels_.labels[i] != region_.id || !grid_.valid(i)) continue;
-    shortest = std::min<double>(shortest, grid_.range[i]);
-    longest = std::max<double>(longest, grid_.range[i]);
-  }
-  if (longest > 0.0) {
-    shortest_ = shortest;
-    longest_ = longest;
-  }
-
-  const auto interpolate = [&](const auto& at, Eigen::Vector3d& value, Eigen::Vector3d& per_row, Eigen::Vector3d& per_col) {
-    const Eigen::Vector3d v00 = at(pixels[0]), v01 = at(pixels[1]), v10 = at(pixels[2]), v11 = at(pixels[3]);
-    const Eigen::Vector3d upper = v00 + fc * (v01 - v00);
-    const Eigen::Vector3d lower = v10 + fc * (v11 - v10);
-    per_row = lower - upper;
-    per_col = (v01 - v00) + fr * ((v11 - v10) - (v01 - v00));
-    value = upper + fr * per_row;
-  };
   Cut c;
-  interpolate([&](int i) -> Eigen::Vector3d { return grid_.direction(i).cast<double>(); }, c.direction, c.row_change,
-              c.col_change);
+  for (int k = 0; k < 3; ++k) {
+    interpolate(directions_[k], pixels, fr, fc, c.direction[k], c.row_change[k], c.col_change[k]);
+  }
   const double length = std::max(1e-6, c.direction.norm());
   const double least = shortest_ / kRangeFactor / length, most = longest_ * kRangeFactor / length;
   Eigen::Vector3d origin_per_row = Eigen::Vector3d::Zero(), origin_per_col = Eigen::Vector3d::Zero();
   c.origin.setZero();
   if (!grid_.origin_x.empty()) {
-    interpolate([&](int i) -> Eigen::Vector3d { return grid_.origin(i).cast<double>(); }, c.origin, origin_per_row,
-                origin_per_col);
+    for (int k = 0; k < 3; ++k) {
+      interpolate(origins_[k], pixels, fr, fc, c.origin[k], origin_per_row[k], origin_per_col[k]);
+    }
   }
   const Eigen::Vector3d& n = region_.plane.normal;
   c.incidence = n.dot(c.direction);
@@ -74,8 +77,23 @@ CornerProjection::Cut CornerProjection::cut(double row, double col) {
   return c;
 }
 
+// Limits of the range, from those of the four pixels that are the region's own.
+void CornerProjection::measureAround(const int (&pixels)[4]) {
+  float shortest = std::numeric_limits<float>::infinity(), longest = 0.0F;
+  for (const int i : pixels) {
+    const float range = grid_.range[static_cast<std::size_t>(i)];
+    const bool own = (labels_.labels[static_cast<std::size_t>(i)] == region_.id) & (range > 0.0F);
+    shortest = own && range < shortest ? range : shortest;
+    longest = own && range > longest ? range : longest;
+  }
+  if (longest > 0.0F) {
+    shortest_ = shortest;
+    longest_ = longest;
+  }
+}
+
 OutlinePoint CornerProjection::project(const PixelCorner& corner) {
-  const Cut c = cut(corner.row - 0.5 + kPull * corner.pull_row, corner.col - 0.5 + kPull * corner.pull_col);
+  const Cut c = cut(corner);
   const Eigen::Vector3d p = c.origin + c.range * c.direction - centre_;
   const auto flatten = [&](const Eigen::Vector3d& v) { return Eigen::Vector2d(axis_x_.dot(v), axis_y_.dot(v)); };
   OutlinePoint out;

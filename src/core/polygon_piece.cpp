@@ -15,10 +15,8 @@ using Outlines = std::vector<std::vector<OutlinePoint>>;
 constexpr int kAttempts = 5;                 // each with half the tolerance of the one before, the last with none
 constexpr double kLargestAreaChange = 0.02;  // of the polygon's area
 
-double ringArea(const std::vector<OutlinePoint>& ring) { return std::abs(signedArea(ring.data(), ring.size())); }
-
-SimplifiedRing simplify(const std::vector<OutlinePoint>& points, OutlineTolerance tolerance, double area_change) {
-  const double area = signedArea(points.data(), points.size());
+SimplifiedRing simplify(const std::vector<OutlinePoint>& points, double area, OutlineTolerance tolerance,
+                        double area_change) {
   for (int attempt = 1; attempt < kAttempts; ++attempt) {
     SimplifiedRing ring(points.data(), points.size(), tolerance);
     if (std::abs(ring.area() - area) <= area_change) return ring;
@@ -72,9 +70,10 @@ PolygonPiece assemble(std::vector<std::vector<Eigen::Vector2d>> rings) {
 }  // namespace
 
 std::optional<PolygonPiece> makePiece(const Outlines& outlines, const OutlineTolerance& tolerance) {
-  const double outer_area = ringArea(outlines.front());
-  double area = outer_area;
-  for (std::size_t i = 1; i < outlines.size(); ++i) area -= ringArea(outlines[i]);
+  std::vector<double> areas;  // signed
+  for (const auto& outline : outlines) areas.push_back(signedArea(outline.data(), outline.size()));
+  double area = std::abs(areas.front());
+  for (std::size_t i = 1; i < areas.size(); ++i) area -= std::abs(areas[i]);
   area = std::max(area, 0.0);
 
   OutlineTolerance current = tolerance;
@@ -85,10 +84,10 @@ std::optional<PolygonPiece> makePiece(const Outlines& outlines, const OutlineTol
     std::vector<std::vector<Eigen::Vector2d>> positions;
     for (std::size_t i = 0; i < outlines.size(); ++i) {
       // A small hole may change by more, as long as the polygon hardly notices.
-      const double own = kLargestAreaChange * ringArea(outlines[i]);
+      const double own = kLargestAreaChange * std::abs(areas[i]);
       const double change =
           i == 0 ? kLargestAreaChange * area : std::max(own, std::min(10.0 * own, 0.1 * kLargestAreaChange * area));
-      rings.push_back(simplify(outlines[i], current, change));
+      rings.push_back(simplify(outlines[i], areas[i], current, change));
       positions.push_back(rings.back().positions());
     }
     if (!pullApart(rings, positions)) return std::nullopt;  // the full rings cross

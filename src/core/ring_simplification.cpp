@@ -32,7 +32,7 @@ double signedArea(const std::vector<Eigen::Vector2d>& ring) {
 }
 
 SimplifiedRing::SimplifiedRing(const OutlinePoint* points, std::size_t size, const OutlineTolerance& tolerance)
-    : points_(points), n_(size), tolerance_(tolerance) {
+    : points_(points), n_(size), excess_(points, size, tolerance) {
   if (tolerance.none()) {
     vertices_.resize(n_);
     for (std::size_t i = 0; i < n_; ++i) vertices_[i] = {i, points_[i].point, false};
@@ -55,36 +55,10 @@ double SimplifiedRing::area() const {
   return ringArea(size(), [&](std::size_t i) -> const Eigen::Vector2d& { return vertices_[i].position; });
 }
 
-// Square of the distance of a corner from a segment over that of its tolerance there; above 1: too far.
-double SimplifiedRing::excess(std::size_t corner, const Eigen::Vector2d& from, const Eigen::Vector2d& to) const {
-  const OutlinePoint& q = points_[corner];
-  const Eigen::Vector2d edge = to - from;
-  const Eigen::Vector2d offset = q.point - from;
-  const double length2 = edge.squaredNorm();
-  const double along = length2 > 0.0 ? std::clamp(offset.dot(edge) / length2, 0.0, 1.0) : 0.0;
-  const Eigen::Vector2d away = offset - along * edge;
-  const double distance2 = away.squaredNorm();
-  const double metres2 = tolerance_.metres * tolerance_.metres;
-  if (distance2 <= 0.25 * metres2) return metres2 > 0.0 ? distance2 / metres2 : 0.0;  // most corners
-  // The footprint's extent in the direction of the offset, times the distance.
-  const double extent = tolerance_.pixels * (std::abs(away.dot(q.row_step)) + std::abs(away.dot(q.col_step)));
-  return distance2 / std::max(metres2, extent * extent / distance2);
-}
-
-std::pair<std::size_t, double> SimplifiedRing::farthest(std::size_t first, std::size_t last, const Eigen::Vector2d& from,
-                                                        const Eigen::Vector2d& to) const {
-  std::pair<std::size_t, double> worst{first, -1.0};
-  for (std::size_t k = first + 1; k < last; ++k) {
-    const double e = excess(k < n_ ? k : k - n_, from, to);
-    if (e > worst.second) worst = {k, e};
-  }
-  return worst;
-}
-
 std::pair<std::size_t, double> SimplifiedRing::farthest(std::size_t edge) const {
   const Vertex& a = vertices_[edge];
   const Vertex& b = vertices_[next(edge)];
-  return farthest(a.corner, b.corner > a.corner ? b.corner : b.corner + n_, a.position, b.position);
+  return excess_.farthest(a.corner, b.corner > a.corner ? b.corner : b.corner + n_, a.position, b.position);
 }
 
 void SimplifiedRing::chooseCorners() {
@@ -93,11 +67,12 @@ void SimplifiedRing::chooseCorners() {
   for (std::size_t i = 0; i < n_; ++i) middle += points_[i].point;
   middle /= static_cast<double>(n_);
   const auto farthestFrom = [&](const Eigen::Vector2d& p) {
-    std::size_t best = 0;
-    for (std::size_t i = 1; i < n_; ++i) {
-      if ((points_[i].point - p).squaredNorm() > (points_[best].point - p).squaredNorm()) best = i;
+    std::pair<std::size_t, double> best{0, -1.0};
+    for (std::size_t i = 0; i < n_; ++i) {
+      const double distance2 = (points_[i].point - p).squaredNorm();
+      if (distance2 > best.second) best = {i, distance2};
     }
-    return best;
+    return best.first;
   };
   const std::size_t start = farthestFrom(middle);
   const std::size_t opposite = farthestFrom(points_[start].point);
@@ -109,7 +84,7 @@ void SimplifiedRing::chooseCorners() {
     const auto [first, last] = open.back();
     open.pop_back();
     if (last - first < 2) continue;
-    const auto [k, worst] = farthest(first, last, points_[first % n_].point, points_[last % n_].point);
+    const auto [k, worst] = excess_.farthest(first, last, points_[first % n_].point, points_[last % n_].point);
     if (!(worst > 1.0)) continue;
     chosen[k % n_] = true;
     open.emplace_back(first, k);
@@ -129,8 +104,8 @@ void SimplifiedRing::mergeStraightEdges(const LineSums& sums) {
     const std::size_t last = vertices_[next(i)].corner;
     const Line line = sums.fit(first, last);
     const Eigen::Vector2d from = foot(line, points_[first].point), to = foot(line, points_[last].point);
-    const bool straight = excess(first, from, to) <= kClose && excess(last, from, to) <= kClose &&
-                          farthest(first, last > first ? last : last + n_, from, to).second <= kClose;
+    const bool straight = excess_.at(first, from, to) <= kClose && excess_.at(last, from, to) <= kClose &&
+                          excess_.farthest(first, last > first ? last : last + n_, from, to).second <= kClose;
     if (straight) {
       vertices_.erase(vertices_.begin() + static_cast<std::ptrdiff_t>(i));
     } else {
@@ -152,7 +127,7 @@ void SimplifiedRing::moveOntoLines(const LineSums& sums) {
   for (std::size_t i = 0; i < m; ++i) {
     Vertex& v = vertices_[i];
     const Eigen::Vector2d target = meet(lines[i == 0 ? m - 1 : i - 1], lines[i], v.position);
-    if (!(excess(v.corner, target, target) <= 1.0)) continue;
+    if (!(excess_.at(v.corner, target, target) <= 1.0)) continue;
     v.position = target;
     v.moved = true;
   }

@@ -44,11 +44,14 @@ class CornerProjection {
     double incidence = 0.0;                  // normal . direction
     bool clamped = false;
   };
-  Cut cut(double row, double col);
+  Cut cut(const PixelCorner& corner);
+  void measureAround(const int (&pixels)[4]);
 
   const BeamGrid& grid_;
   const LabelImage& labels_;
   const PlanarRegion& region_;
+  const float* directions_[3];
+  const float* origins_[3];
   Eigen::Vector3d centre_, axis_x_, axis_y_;
   double shortest_, longest_;  // range measured around the last corner [m]
 };

@@ -2,20 +2,12 @@
 #pragma once
 
 #include "patch_plane_clustering/core/corner_projection.h"
+#include "patch_plane_clustering/core/outline_excess.h"
 
 #include <Eigen/Core>
 #include <vector>
 
 namespace ppc {
-
-/// @brief How far a simplified outline may leave the corners of the region: the larger of two limits.
-struct OutlineTolerance {
-  double metres = 0.0;
-  double pixels =
-      0.0;  ///< in units of the local pixel footprint, measured across the edge: a staircase has an amplitude of 1
-  OutlineTolerance halved() const { return {0.5 * metres, 0.5 * pixels}; }
-  bool none() const { return !(metres > 0.0) && !(pixels > 0.0); }
-};
 
 class LineSums;
 
@@ -50,9 +42,6 @@ class SimplifiedRing {
   };
 
   std::size_t next(std::size_t vertex) const { return vertex + 1 == vertices_.size() ? 0 : vertex + 1; }
-  double excess(std::size_t corner, const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
-  std::pair<std::size_t, double> farthest(std::size_t first, std::size_t last, const Eigen::Vector2d& from,
-                                          const Eigen::Vector2d& to) const;
   std::pair<std::size_t, double> farthest(std::size_t edge) const;
   void chooseCorners();
   void mergeStraightEdges(const LineSums& sums);
@@ -62,7 +51,7 @@ class SimplifiedRing {
 
   const OutlinePoint* points_;
   std::size_t n_;
-  OutlineTolerance tolerance_;
+  OutlineExcess excess_;
   std::vector<Vertex> vertices_;  // in ascending order of corners
 };
 

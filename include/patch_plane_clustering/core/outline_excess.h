@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "patch_plane_clustering/core/corner_projection.h"
+
+#include <Eigen/Core>
+#include <utility>
+#include <vector>
+
+namespace ppc {
+
+/// @brief How far a simplified outline may leave the corners of the region: the larger of two limits.
+struct OutlineTolerance {
+  double metres = 0.0;
+  double pixels =
+      0.0;  ///< in units of the local pixel footprint, measured across the edge: a staircase has an amplitude of 1
+  OutlineTolerance halved() const { return {0.5 * metres, 0.5 * pixels}; }
+  bool none() const { return !(metres > 0.0) && !(pixels > 0.0); }
+};
+
+/// @brief How far the corners of an outline are from edges that shall stand for them, in terms of the tolerance.
+///
+/// The excess of a corner is the square of its distance from the edge (a segment) over that of its tolerance there; above 1
+/// it is too far. Footprints do not count for corners within half the tolerance in metres. The search for the farthest
+/// corner is where the simplification of outlines spends its time: it works on a copy of the corners in columns, two corners
+/// at a time.
+class OutlineExcess {
+ public:
+  OutlineExcess(const OutlinePoint* points, std::size_t size, const OutlineTolerance& tolerance);
+
+  double at(std::size_t corner, const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
+
+  /// @brief The corner of the largest excess strictly between `first` and `last`, and its excess; `first` and -1 if there is
+  /// none. The first one of several.
+  /// @param last may lie beyond the ring's end, and so may the corner that is returned: they count on from `size`.
+  std::pair<std::size_t, double> farthest(std::size_t first, std::size_t last, const Eigen::Vector2d& from,
+                                          const Eigen::Vector2d& to) const;
+
+ private:
+  struct Edge;
+  void fill(std::size_t begin, std::size_t count, const Edge& edge, double* excess) const;
+
+  std::size_t size_, stride_;
+  double metres2_, pixels_;
+  std::vector<double> columns_;  // x, y of the points, of their row steps and of their column steps
+};
+
+}  // namespace ppc
