@@ -55,6 +55,7 @@ std::vector<ConfigField> makeFields() {
                 "the same in pixels across the edge, the larger applies: removes the staircase of the pixels [pixels]"),
       PPC_FIELD("min_hole_size", Type::kInt, 1, 1000000, polygons.min_hole_size,
                 "holes of fewer pixels are filled, specks left out [pixels]"),
+      PPC_FIELD("threads", Type::kInt, 1, 64, threads, "worker threads; the result does not depend on them [1]"),
   };
 }
 

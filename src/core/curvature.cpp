@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/lanes.h"
+#include "patch_plane_clustering/core/parallel.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -223,7 +224,8 @@ double misfit(const Plane& plane, const std::vector<Sample>& samples) {
 }
 
 // Samples of every label of at least three points; index = label.
-std::vector<SampledRegion> sampleRegions(const BeamGrid& grid, const LabelImage& labels, const NoiseModel& noise) {
+std::vector<SampledRegion> sampleRegions(const BeamGrid& grid, const LabelImage& labels, const NoiseModel& noise,
+                                         int threads) {
   std::vector<int> count(static_cast<std::size_t>(highestLabel(labels)) + 1, 0);
   forEachRun(labels, [&](std::int32_t label, int begin, int end) { count[label] += end - begin; });
   std::vector<std::vector<int>> pixels(count.size());
@@ -237,11 +239,13 @@ std::vector<SampledRegion> sampleRegions(const BeamGrid& grid, const LabelImage&
     next[label] = i - end;
   });
   std::vector<SampledRegion> regions(count.size());
-  for (std::size_t label = 1; label < count.size(); ++label) {
-    if (pixels[label].size() < 3) continue;
-    const auto id = static_cast<std::int32_t>(label);
-    regions[label] = sampleRegion(grid, id, count[label], std::max(1, count[label] / kMaxSamples), pixels[label], noise);
-  }
+  forEachRange(threads, static_cast<int>(count.size()), [&](int begin, int end) {
+    for (int label = begin; label < end; ++label) {
+      if (pixels[label].size() < 3) continue;
+      const int stride = std::max(1, count[label] / kMaxSamples);
+      regions[label] = sampleRegion(grid, label, count[label], stride, pixels[label], noise);
+    }
+  });
   return regions;
 }
 
@@ -249,15 +253,15 @@ std::vector<SampledRegion> sampleRegions(const BeamGrid& grid, const LabelImage&
 
 std::vector<Bend> measureBends(const BeamGrid& grid, const LabelImage& labels, const NoiseModel& noise) {
   std::vector<Bend> bends;
-  for (const SampledRegion& region : sampleRegions(grid, labels, noise)) {
+  for (const SampledRegion& region : sampleRegions(grid, labels, noise, 1)) {
     bends.push_back(bendOf(fitQuadratic(region.plane.normal, {&region.samples})));
   }
   return bends;
 }
 
 void dropCurvedRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double max_turn,
-                       LabelImage& labels) {
-  const std::vector<SampledRegion> regions = sampleRegions(grid, labels, noise);
+                       LabelImage& labels, int threads) {
+  const std::vector<SampledRegion> regions = sampleRegions(grid, labels, noise, threads);
   std::vector<bool> curved(regions.size(), false), weak(regions.size(), false);
   for (std::size_t label = 1; label < regions.size(); ++label) {
     const Bend bend = bendOf(fitQuadratic(regions[label].plane.normal, {&regions[label].samples}));

@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/block_moments.h"
 #include "patch_plane_clustering/core/label_runs.h"
+#include "patch_plane_clustering/core/parallel.h"
 
 #include <cmath>
 #include <cstdint>
@@ -98,7 +99,7 @@ void linkNeighbours(PatchGrid& grid) {
 
 }  // namespace
 
-PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, const LabelImage* done) {
+PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, const LabelImage* done, int threads) {
   PatchGrid out;
   out.rows = grid.rows;
   out.cols = grid.cols;
@@ -125,12 +126,13 @@ PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, 
     out.strip_begin.push_back(out.strip_begin.back() + (grid.rows + height - 1) / height);
   }
   out.patch_of_block.assign(static_cast<std::size_t>(out.strip_begin.back()), -1);
-  if (done == nullptr) out.patches.reserve(out.patch_of_block.size());
-  for (int band = 0; band < grid.rows; band += kBandRows) {
-    const int band_end = std::min(band + kBandRows, grid.rows);
+  const int bands = (grid.rows + kBandRows - 1) / kBandRows;
+  std::vector<std::vector<Patch>> found(static_cast<std::size_t>(bands));
+  forEachPart(threads, bands, [&](int band) {
+    const int band_begin = band * kBandRows, band_end = std::min(band_begin + kBandRows, grid.rows);
     for (int s = 0; s < strips; ++s) {
       const int height = out.strip_rows[s];
-      for (int k = (band + height - 1) / height; k * height < band_end; ++k) {
+      for (int k = (band_begin + height - 1) / height; k * height < band_end; ++k) {
         Patch patch;
         patch.row_begin = k * height;
         patch.row_end = std::min(patch.row_begin + height, grid.rows);
@@ -141,9 +143,19 @@ PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, 
         patch.moments = sums.moments;
         patch.range = sums.meanRange();
         if (patch.moments.n > 0) patch.fit = fitPlane(patch.moments);
-        out.patch_of_block[out.strip_begin[s] + k] = static_cast<int>(out.patches.size());
-        out.patches.push_back(patch);
+        found[band].push_back(patch);
       }
+    }
+  });
+  std::size_t count = 0;
+  for (const auto& patches : found) count += patches.size();
+  out.patches.reserve(count);
+  for (const auto& patches : found) {
+    for (const Patch& patch : patches) {
+      const int strip = patch.col_begin / patch_size;
+      out.patch_of_block[out.strip_begin[strip] + patch.row_begin / out.strip_rows[strip]] =
+          static_cast<int>(out.patches.size());
+      out.patches.push_back(patch);
     }
   }
   linkNeighbours(out);

@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/lanes.h"
+#include "patch_plane_clustering/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -167,10 +168,26 @@ class PatchResolver {
         center_(patches.center.cast<float>()),
         floor_(static_cast<float>(tolerance.sigma_distance)) {}
 
-  CellResiduals residuals(int pixel, std::int32_t label) const {
-    return CellResiduals(grid_, center_, noise_, floor_, pixel, planes_[label].cast<float>());
+  /// Clears the pixels of a cell that its only label does not explain. @return whether there are any.
+  bool clearOutliers(const Patch& cell, std::int32_t label, LabelImage& out) const {
+    const CellResiduals squared = residuals(middlePixel(grid_, cell), label);
+    bool any = false;
+    for (int r = cell.row_begin; r < cell.row_end; ++r) {
+      for (int c = cell.col_begin; c < cell.col_end; c += kLanes) {
+        const BeamLanes beams(grid_, grid_.index(r, c), cell.col_end - c);
+        const LaneMask outside = ~beams.valid | (squared(beams) > fill(kMaxOwnResidual));
+        if (!anyLane(outside)) continue;
+        for (int lane = 0; lane < std::min(kLanes, cell.col_end - c); ++lane) {
+          if (outside[lane] == 0) continue;
+          out.labels[grid_.index(r, c + lane)] = 0;
+          any = true;
+        }
+      }
+    }
+    return any;
   }
 
+  /// Gives every pixel of a cell the likeliest of the candidate labels, or 0.
   void resolve(const Patch& patch, const std::vector<std::int32_t>& candidates, std::int32_t first_open, LabelImage& out) {
     const int middle = middlePixel(grid_, patch);
     if (middle < 0) return;
@@ -191,6 +208,10 @@ class PatchResolver {
   }
 
  private:
+  CellResiduals residuals(int pixel, std::int32_t label) const {
+    return CellResiduals(grid_, center_, noise_, floor_, pixel, planes_[label].cast<float>());
+  }
+
   // Beams of the window, and how many of them each pixel's own window counts.
   void countWindow(const Patch& patch, int reach) {
     const int top = std::max(0, patch.row_begin - reach), bottom = std::min(grid_.rows, patch.row_end + reach);
@@ -271,13 +292,13 @@ LabelImage patchLabels(const BeamGrid& grid, const PatchGrid& patches, const Pat
 
 LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares, const LabelImage& labels,
                         const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
-                        const CoplanarityTolerance& tolerance, std::int32_t first_open, std::vector<bool>* changed) {
+                        const CoplanarityTolerance& tolerance, std::int32_t first_open, std::vector<char>* changed,
+                        int threads) {
   LabelImage out = labels;
-  if (changed != nullptr) changed->assign(cells.patches.size(), false);
+  if (changed != nullptr) changed->assign(cells.patches.size(), 0);
   const auto mark = [changed](int k) {
-    if (changed != nullptr) (*changed)[k] = true;
+    if (changed != nullptr) (*changed)[k] = 1;
   };
-  PatchResolver resolver(grid, cells, planes, noise, tolerance);
   const int count = static_cast<int>(cells.patches.size());
 
   // The label of cells that have just one, whole; 0 of all others.
@@ -293,40 +314,32 @@ LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const Cell
     if (full && shares.begin[k + 1] - shares.begin[k] == 1) whole[k] = shares.shares[shares.begin[k]].label;
     open[k] = open[k] || !full;
   }
-  Neighbourhood neighbourhood(cells);
-  std::vector<std::int32_t> candidates;
-  for (int k = 0; k < count; ++k) {
-    const Patch& cell = cells.patches[k];
-    if (cell.moments.n == 0 || !open[k]) continue;
-    const std::int32_t own = whole[k];
-    bool inside = own > 0;
-    cells.forEachNeighbour(k, [&](int j) { inside = inside && (whole[j] == own || cells.patches[j].moments.n == 0); });
-    if (inside) {
-      const CellResiduals squared = resolver.residuals(middlePixel(grid, cell), own);
-      for (int r = cell.row_begin; r < cell.row_end; ++r) {
-        for (int c = cell.col_begin; c < cell.col_end; c += kLanes) {
-          const BeamLanes beams(grid, grid.index(r, c), cell.col_end - c);
-          const LaneMask outside = ~beams.valid | (squared(beams) > fill(kMaxOwnResidual));
-          if (!anyLane(outside)) continue;
-          mark(k);
-          for (int lane = 0; lane < std::min(kLanes, cell.col_end - c); ++lane) {
-            if (outside[lane] != 0) out.labels[grid.index(r, c + lane)] = 0;
-          }
+  forEachRange(threads, count, [&](int begin, int end) {
+    PatchResolver resolver(grid, cells, planes, noise, tolerance);
+    Neighbourhood neighbourhood(cells);
+    std::vector<std::int32_t> candidates;
+    for (int k = begin; k < end; ++k) {
+      const Patch& cell = cells.patches[k];
+      if (cell.moments.n == 0 || !open[k]) continue;
+      const std::int32_t own = whole[k];
+      bool inside = own > 0;
+      cells.forEachNeighbour(k, [&](int j) { inside = inside && (whole[j] == own || cells.patches[j].moments.n == 0); });
+      if (inside) {
+        if (resolver.clearOutliers(cell, own, out)) mark(k);
+        continue;
+      }
+      candidates.clear();
+      for (const int j : neighbourhood.around(k)) {
+        for (int s = shares.begin[j]; s < shares.begin[j + 1]; ++s) {
+          const std::int32_t label = shares.shares[s].label;
+          if (std::find(candidates.begin(), candidates.end(), label) == candidates.end()) candidates.push_back(label);
         }
       }
-      continue;
+      std::sort(candidates.begin(), candidates.end());
+      resolver.resolve(cell, candidates, first_open, out);
+      mark(k);
     }
-    candidates.clear();
-    for (const int j : neighbourhood.around(k)) {
-      for (int s = shares.begin[j]; s < shares.begin[j + 1]; ++s) {
-        const std::int32_t label = shares.shares[s].label;
-        if (std::find(candidates.begin(), candidates.end(), label) == candidates.end()) candidates.push_back(label);
-      }
-    }
-    std::sort(candidates.begin(), candidates.end());
-    resolver.resolve(cell, candidates, first_open, out);
-    mark(k);
-  }
+  });
   return out;
 }
 

@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/block_moments.h"
 #include "patch_plane_clustering/core/label_runs.h"
+#include "patch_plane_clustering/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -229,24 +230,36 @@ void rename(const std::vector<std::int32_t>& names, CellShares& cells) {
 
 }  // namespace
 
-CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels) {
-  return shareCells(grid, cells, noise, labels, CellShares(), std::vector<bool>(cells.patches.size(), true));
+CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels,
+                      int threads) {
+  return shareCells(grid, cells, noise, labels, CellShares(), std::vector<char>(cells.patches.size(), 1), threads);
 }
 
 CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels,
-                      const CellShares& before, const std::vector<bool>& changed) {
-  CellShares out;
-  out.begin.reserve(cells.patches.size() + 1);
-  out.shares.reserve(cells.patches.size());
-  std::vector<std::int32_t> found;
-  for (std::size_t k = 0; k < cells.patches.size(); ++k) {
-    out.begin.push_back(static_cast<int>(out.shares.size()));
-    if (changed[k]) {
-      shareCell(grid, cells.patches[k], cells.center, noise, labels, found, out);
-    } else {
-      out.shares.insert(out.shares.end(), before.shares.begin() + before.begin[k],
-                        before.shares.begin() + before.begin[k + 1]);
+                      const CellShares& before, const std::vector<char>& changed, int threads) {
+  const int count = static_cast<int>(cells.patches.size());
+  const int parts = std::max(1, threads);
+  const auto partBegin = [&](int part) { return static_cast<int>(static_cast<long long>(count) * part / parts); };
+  std::vector<CellShares> found(static_cast<std::size_t>(parts));
+  forEachPart(threads, parts, [&](int part) {
+    CellShares& mine = found[part];
+    std::vector<std::int32_t> scratch;
+    mine.shares.reserve(static_cast<std::size_t>(partBegin(part + 1) - partBegin(part)));
+    for (int k = partBegin(part); k < partBegin(part + 1); ++k) {
+      mine.begin.push_back(static_cast<int>(mine.shares.size()));
+      if (changed[k] != 0) {
+        shareCell(grid, cells.patches[k], cells.center, noise, labels, scratch, mine);
+      } else {
+        mine.shares.insert(mine.shares.end(), before.shares.begin() + before.begin[k],
+                           before.shares.begin() + before.begin[k + 1]);
+      }
     }
+  });
+  CellShares out = std::move(found.front());
+  for (int part = 1; part < parts; ++part) {
+    const auto offset = static_cast<int>(out.shares.size());
+    for (const int begin : found[part].begin) out.begin.push_back(offset + begin);
+    out.shares.insert(out.shares.end(), found[part].shares.begin(), found[part].shares.end());
   }
   out.begin.push_back(static_cast<int>(out.shares.size()));
   return out;

@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/lanes.h"
+#include "patch_plane_clustering/core/parallel.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -77,7 +78,7 @@ void addPoints(const BeamGrid& grid, int begin, int end, PointSums& s) {
 }
 
 // Total least squares: the start of the fit along the beams, and its substitute where that is ill-posed.
-PlanarRegion describe(std::int32_t id, const PointSums& s) {
+PlanarRegion fitAcross(std::int32_t id, const PointSums& s) {
   PlanarRegion region;
   region.id = id;
   region.points = s.n;
@@ -187,41 +188,37 @@ void refineAlongBeams(const BeamSums& s, PlanarRegion& region) {
   region.covariance = variance * jacobian * solver.solve(Eigen::Matrix3d::Identity()) * jacobian.transpose();
 }
 
-// Calls f(label, begin, end) for every stretch of pixels of one label, in pieces of kBlock at most.
-template <typename F>
-void forEachBlock(const LabelImage& labels, F&& f) {
-  forEachRun(labels, [&](std::int32_t label, int begin, int end) {
-    for (int at = begin; at < end; at += kBlock) f(label, at, std::min(at + kBlock, end));
-  });
+struct Block {
+  int begin, end;  // at most kBlock pixels of one label
+};
+
+PlanarRegion describe(const BeamGrid& grid, std::int32_t id, const std::vector<Block>& blocks) {
+  PointSums sums;
+  for (const Block& block : blocks) addPoints(grid, block.begin, block.end, sums);
+  if (sums.n < 3) return PlanarRegion();
+  PlanarRegion region = fitAcross(id, sums);
+  // Noise runs along the beams: the likeliest plane minimises residuals in range, not across the plane.
+  BeamSums beams;
+  beams.tangent1 = region.plane.normal.unitOrthogonal();
+  beams.tangent2 = region.plane.normal.cross(beams.tangent1);
+  for (const Block& block : blocks) addBeams(grid, block.begin, block.end, region, beams);
+  region.rms = std::sqrt(beams.across / region.points);
+  region.covariance *= beams.across / std::max(1, region.points - 3);
+  refineAlongBeams(beams, region);
+  return region;
 }
 
 }  // namespace
 
-std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage& labels) {
-  const std::int32_t highest = highestLabel(labels);
-  std::vector<PointSums> sums(static_cast<std::size_t>(highest) + 1);
-  forEachBlock(labels, [&](std::int32_t label, int begin, int end) { addPoints(grid, begin, end, sums[label]); });
-  std::vector<PlanarRegion> regions;
-  for (std::int32_t id = 1; id <= highest; ++id) {
-    if (sums[id].n >= 3) regions.push_back(describe(id, sums[id]));
-  }
-
-  // Noise runs along the beams: the likeliest plane minimises residuals in range, not across the plane.
-  std::vector<int> index(sums.size(), -1);
-  std::vector<BeamSums> beams(regions.size());
-  for (std::size_t k = 0; k < regions.size(); ++k) {
-    index[regions[k].id] = static_cast<int>(k);
-    beams[k].tangent1 = regions[k].plane.normal.unitOrthogonal();
-    beams[k].tangent2 = regions[k].plane.normal.cross(beams[k].tangent1);
-  }
-  forEachBlock(labels, [&](std::int32_t label, int begin, int end) {
-    if (index[label] >= 0) addBeams(grid, begin, end, regions[index[label]], beams[index[label]]);
+std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage& labels, int threads) {
+  std::vector<std::vector<Block>> blocks(static_cast<std::size_t>(highestLabel(labels)) + 1);
+  forEachRun(labels, [&](std::int32_t label, int begin, int end) {
+    for (int at = begin; at < end; at += kBlock) blocks[label].push_back({at, std::min(at + kBlock, end)});
   });
-  for (std::size_t k = 0; k < regions.size(); ++k) {
-    regions[k].rms = std::sqrt(beams[k].across / regions[k].points);
-    regions[k].covariance *= beams[k].across / std::max(1, regions[k].points - 3);
-    refineAlongBeams(beams[k], regions[k]);
-  }
+  std::vector<PlanarRegion> regions(blocks.size());
+  forEachPart(threads, static_cast<int>(blocks.size()), [&](int id) { regions[id] = describe(grid, id, blocks[id]); });
+  regions.erase(std::remove_if(regions.begin(), regions.end(), [](const PlanarRegion& r) { return r.points < 3; }),
+                regions.end());
   return regions;
 }
 

@@ -34,7 +34,8 @@ PatchComparison comparisonOf(const Config& config) { return {config.running_plan
 // Regions too thin for any patch to fit inside: smaller patches of what the first pass left over. Returns their first label.
 std::int32_t addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
                              const Config& config, LabelImage& labels) {
-  PatchGrid patches = makePatchGrid(grid, std::max(2, (config.patch_size + 2) / 2), config.equal_angle, &labels);
+  PatchGrid patches =
+      makePatchGrid(grid, std::max(2, (config.patch_size + 2) / 2), config.equal_angle, &labels, config.threads);
   weighPatches(noise, patches);
   gatePatches(noise, tolerance, patches);
   const PatchClusters clusters = growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config));
@@ -63,7 +64,8 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vecto
   const auto lap = [&](const char* stage) {
     if (stages != nullptr) stages->emplace_back(stage, watch.lap());
   };
-  PatchGrid patches = makePatchGrid(grid, std::min(config.patch_size, std::max(grid.rows, grid.cols)), config.equal_angle);
+  PatchGrid patches = makePatchGrid(grid, std::min(config.patch_size, std::max(grid.rows, grid.cols)), config.equal_angle,
+                                    nullptr, config.threads);
   lap("moments");
 
   const NoiseModel noise = config.noise_scale > 0.0 ? NoiseModel(config.sensor, config.noise_scale)
@@ -78,27 +80,28 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vecto
   LabelImage labels =
       patchLabels(grid, patches, growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config)));
   lap("clustering");
-  CellShares shares = shareCells(grid, patches, noise, labels);
+  CellShares shares = shareCells(grid, patches, noise, labels, config.threads);
   if (config.merge) {
     mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels);
     lap("merging");
   }
   if (config.refine) {
-    std::vector<bool> changed;
-    labels = refineLabels(grid, patches, shares, labels, labelPlanes(shares), noise, tolerance, 1, &changed);
+    std::vector<char> changed;
+    labels = refineLabels(grid, patches, shares, labels, labelPlanes(shares), noise, tolerance, 1, &changed, config.threads);
     lap("refinement");
     if (config.second_pass) {
       const std::int32_t first_new = addSmallRegions(grid, noise, tolerance, config, labels);
-      shares = shareCells(grid, patches, noise, labels, shares, changed);
-      labels = refineLabels(grid, patches, shares, labels, labelPlanes(shares), noise, tolerance, first_new, &changed);
-      shares = shareCells(grid, patches, noise, labels, shares, changed);
+      shares = shareCells(grid, patches, noise, labels, shares, changed, config.threads);
+      labels = refineLabels(grid, patches, shares, labels, labelPlanes(shares), noise, tolerance, first_new, &changed,
+                            config.threads);
+      shares = shareCells(grid, patches, noise, labels, shares, changed, config.threads);
       if (config.merge) mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels);
       lap("second pass");
     }
   }
   splitComponents(2 * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols), 2, labels);
   lap("components");
-  dropCurvedRegions(grid, noise, tolerance, config.max_turn, labels);
+  dropCurvedRegions(grid, noise, tolerance, config.max_turn, labels, config.threads);
   lap("curvature");
   return labels;
 }
@@ -115,7 +118,7 @@ Segmentation finishSegmentation(const BeamGrid& grid, LabelImage labels, const C
   Segmentation result;
   result.stages = std::move(stages);
   renumberBySize(grid, config.min_size, labels);
-  result.regions = describeRegions(grid, labels);
+  result.regions = describeRegions(grid, labels, config.threads);
   result.stages.emplace_back("statistics", watch.lap());
   result.polygons = extractPolygons(grid, labels, result.regions, config.polygons);
   result.stages.emplace_back("polygons", watch.lap());

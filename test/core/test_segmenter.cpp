@@ -307,5 +307,34 @@ TEST(Segmenter, DropsRegionsBelowTheMinimumSize) {
   EXPECT_EQ(countOf(one.labels, 2), 0);
 }
 
+// Bit for bit: labels, planes, covariances, polygons.
+TEST(Segmenter, DoesNotDependOnTheNumberOfThreads) {
+  BeamGrid grid = forwardBeams(200, 240, 0.004);
+  scan({wall({-1.0, 0.1, 0.0}, -3.0), wall({0.0, -1.0, 0.0}, -0.8), wall({0.0, 0.0, 1.0}, -0.6),
+        wall({-1.0, -0.6, 0.1}, -2.8)},
+       grid);
+  addNoise(grid, 0.01);
+  Config config;
+  const Segmentation one = segment(grid, config);
+  EXPECT_GE(one.regions.size(), 3U);
+  for (const int threads : {2, 4, 7}) {
+    config.threads = threads;
+    const Segmentation many = segment(grid, config);
+    EXPECT_EQ(many.labels.labels, one.labels.labels) << threads;
+    ASSERT_EQ(many.regions.size(), one.regions.size());
+    for (std::size_t k = 0; k < one.regions.size(); ++k) {
+      EXPECT_EQ(many.regions[k].plane.normal, one.regions[k].plane.normal);
+      EXPECT_EQ(many.regions[k].plane.d, one.regions[k].plane.d);
+      EXPECT_EQ(many.regions[k].covariance, one.regions[k].covariance);
+      EXPECT_EQ(many.regions[k].rms, one.regions[k].rms);
+    }
+    ASSERT_EQ(many.polygons.size(), one.polygons.size());
+    for (std::size_t k = 0; k < one.polygons.size(); ++k) {
+      EXPECT_EQ(many.polygons[k].outer, one.polygons[k].outer);
+      EXPECT_EQ(many.polygons[k].holes, one.polygons[k].holes);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace ppc

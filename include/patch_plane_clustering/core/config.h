@@ -25,6 +25,7 @@ struct Config {
   bool second_pass = true;            ///< look for thin regions with smaller patches in what the first pass left over
   double max_turn = 0.35;             ///< regions whose normal turns by more from end to end are curved [rad]
   double noise_scale = 0.0;           ///< factor on the sensor's noise; 0 = estimate the noise from each image
+  int threads = 1;                    ///< worker threads; the result does not depend on them
   SensorModel sensor;
   PolygonOptions polygons;
 };

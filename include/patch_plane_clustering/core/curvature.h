@@ -27,6 +27,6 @@ std::vector<Bend> measureBends(const BeamGrid& grid, const LabelImage& labels, c
 /// which may bow by a centimetre over several metres. Touching regions that meet at an angle are strips of one curved
 /// surface if one quadratic surface serves both; at the crease of two planes it does not.
 void dropCurvedRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double max_turn,
-                       LabelImage& labels);
+                       LabelImage& labels, int threads = 1);
 
 }  // namespace ppc

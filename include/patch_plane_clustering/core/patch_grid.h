@@ -52,6 +52,7 @@ struct PatchGrid {
 /// @brief Cuts the grid into patches, sums their moments with unit noise, w = r^2, and fits their planes.
 /// @param equal_angle false: square k x k patches, as in the paper.
 /// @param done if given, pixels with a label there are left out of the moments, and patches without any other are left out.
-PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, const LabelImage* done = nullptr);
+PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, const LabelImage* done = nullptr,
+                        int threads = 1);
 
 }  // namespace ppc

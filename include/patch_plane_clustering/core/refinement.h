@@ -22,7 +22,7 @@ LabelImage patchLabels(const BeamGrid& grid, const PatchGrid& patches, const Pat
 LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares, const LabelImage& labels,
                         const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
                         const CoplanarityTolerance& tolerance, std::int32_t first_open = 1,
-                        std::vector<bool>* changed = nullptr);
+                        std::vector<char>* changed = nullptr, int threads = 1);
 
 /// @brief Splits labels into pieces that are connected in the image. Gaps of up to `gap_cols` columns or `gap_rows` rows are
 /// bridged.

@@ -22,12 +22,13 @@ struct CellShares {
 };
 
 /// @brief Moments of the labels in every cell, about cells.center. @param cells with weighed moments (weighPatches).
-CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels);
-
-/// @brief The same, where the shares before some change of labels are known. @param changed for every cell: whether its labels
-/// may have changed since.
 CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels,
-                      const CellShares& before, const std::vector<bool>& changed);
+                      int threads = 1);
+
+/// @brief The same, where the shares before some change of labels are known. @param changed for every cell: whether its
+/// labels may have changed since.
+CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels,
+                      const CellShares& before, const std::vector<char>& changed, int threads = 1);
 
 /// @brief Planes of the labels: a (see moments.h); index = label.
 std::vector<Eigen::Vector3d> labelPlanes(const CellShares& cells);

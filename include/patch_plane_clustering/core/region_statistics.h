@@ -13,7 +13,7 @@ namespace ppc {
 /// is seen edge-on). The covariance takes the residuals' own variance, and points as independent.
 /// @param labels values 1..N, 0 = none; same size as the grid.
 /// @return one region for each id 1..max that has at least 3 points; in ascending id.
-std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage& labels);
+std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage& labels, int threads = 1);
 
 /// @brief Renumbers labels to 1..N in descending number of pixels (ties: first pixel first) and clears regions of fewer than
 /// `min_size` valid points. @return N.
