@@ -10,6 +10,10 @@ namespace ppc {
 namespace {
 
 constexpr int kMinPatchPoints = 6;
+// Standard deviation of a patch's distance, in tolerances of the distance, beyond which its surroundings are asked too:
+constexpr double kOneRing = 0.7;
+constexpr double kTwoRings = 1.5;
+constexpr int kClusterSizes = 3;  // size of a cluster over that of such surroundings before they are asked
 constexpr int kInflationPatches = 3000;
 
 double excess(const Moments& a, const PlaneFit& fit_a, const Moments& b, const PlaneFit& fit_b) {
@@ -30,6 +34,57 @@ double plainSimilarity(const Patch& from, const Cluster& cluster, const Patch& p
                     secantSquared(joint.a, patch.range), tolerance);
 }
 
+// Residuals as small as the noise and the tolerance allow.
+bool isFlat(const Moments& m, const PlaneFit& fit, double range, const NoiseModel& noise,
+            const CoplanarityTolerance& tolerance) {
+  const double sigma = noise.sigma(range);
+  const double dof = m.n - 3;
+  const double slack = tolerance.sigma_distance * tolerance.sigma_distance * secantSquared(fit.a, range) / (sigma * sigma);
+  return fit.chi2 < dof * (1.0 + slack) + 3.3 * std::sqrt(2.0 * dof * tolerance.inflation);
+}
+
+// A patch and the planar patches around it, if it is too small to tell by itself where it lies and if they are flat.
+struct Surroundings {
+  Moments moments;
+  PlaneFit fit;
+  double radius = 0.0;
+};
+
+std::vector<Surroundings> measureSurroundings(const PatchGrid& grid, const NoiseModel& noise,
+                                              const CoplanarityTolerance& tolerance) {
+  const int count = static_cast<int>(grid.patches.size());
+  std::vector<Surroundings> out(grid.patches.size());
+  std::vector<int> reached(grid.patches.size(), -1), found;
+  for (int i = 0; i < count; ++i) {
+    const Patch& patch = grid.patches[i];
+    if (!patch.planar) continue;
+    const double sigma = noise.sigma(patch.range);
+    const double uncertainty =
+        sigma * std::sqrt(tolerance.inflation / (patch.moments.n * secantSquared(patch.fit.a, patch.range)));
+    const int rings = uncertainty > kTwoRings * tolerance.sigma_distance  ? 2
+                      : uncertainty > kOneRing * tolerance.sigma_distance ? 1
+                                                                          : 0;
+    if (rings == 0) continue;
+    const auto take = [&](int j) {
+      if (reached[j] == i || !grid.patches[j].planar) return;
+      reached[j] = i;
+      found.push_back(j);
+    };
+    found.clear();
+    take(i);
+    std::size_t begin = 0;
+    for (int ring = 0; ring < rings; ++ring) {
+      const std::size_t end = found.size();
+      for (; begin < end; ++begin) grid.forEachNeighbour(found[begin], take);
+    }
+    Moments sum;
+    for (const int j : found) sum += grid.patches[j].moments;
+    const PlaneFit fit = fitPlane(sum);
+    if (isFlat(sum, fit, patch.range, noise, tolerance)) out[i] = {sum, fit, sum.radius()};
+  }
+  return out;
+}
+
 }  // namespace
 
 void weighPatches(const NoiseModel& noise, PatchGrid& grid) {
@@ -45,11 +100,7 @@ void gatePatches(const NoiseModel& noise, const CoplanarityTolerance& tolerance,
     patch.planar = false;
     const int pixels = (patch.row_end - patch.row_begin) * (patch.col_end - patch.col_begin);
     if (patch.moments.n < std::max(kMinPatchPoints, pixels / 3)) continue;
-    const double sigma = noise.sigma(patch.range);
-    const double dof = patch.moments.n - 3;
-    const double sec2 = secantSquared(patch.fit.a, patch.range);
-    const double slack = tolerance.sigma_distance * tolerance.sigma_distance * sec2 / (sigma * sigma);
-    patch.planar = patch.fit.chi2 < dof * (1.0 + slack) + 3.3 * std::sqrt(2.0 * dof * tolerance.inflation);
+    patch.planar = isFlat(patch.moments, patch.fit, patch.range, noise, tolerance);
   }
 }
 
@@ -79,6 +130,8 @@ PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const
   PatchClusters out;
   out.cluster_of.assign(n, -1);
 
+  const bool plain = !comparison.running_plane || !comparison.noise_aware;
+
   // Seeds: patches whose whole neighbourhood is flat come first; there the first steps are safe.
   std::vector<double> roughness(n, 1e30), radius(n, 0.0);
   std::vector<int> seeds;
@@ -96,10 +149,11 @@ PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const
     radius[i] = patch.moments.radius();
     seeds.push_back(i);
   }
+  std::vector<Surroundings> around(n);
+  if (!plain) around = measureSurroundings(grid, noise, tolerance);
   std::stable_sort(seeds.begin(), seeds.end(), [&](int a, int b) { return roughness[a] < roughness[b]; });
 
   const double greatest = greatestMisfit(threshold);
-  const bool plain = !comparison.running_plane || !comparison.noise_aware;
   std::vector<int> queue;
   for (const int seed : seeds) {
     if (out.cluster_of[seed] >= 0) continue;
@@ -124,6 +178,14 @@ PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const
           const double cost = misfit(fit.chi2 - cluster.fit.chi2 - patch.fit.chi2, precision, radius[j],
                                      secantSquared(fit.a, patch.range), tolerance);
           if (cost > greatest) return;
+          const Surroundings& wide = around[j];
+          if (wide.moments.n > 0 && cluster.moments.n > kClusterSizes * wide.moments.n) {
+            const PlaneFit wide_fit = fitPlane(cluster.moments + wide.moments);
+            const double wide_cost =
+                misfit(wide_fit.chi2 - cluster.fit.chi2 - wide.fit.chi2, wide.moments.n / (sigma * sigma), wide.radius,
+                       secantSquared(wide_fit.a, patch.range), tolerance);
+            if (wide_cost > greatest) return;
+          }
         }
         cluster.moments = joint;
         cluster.fit = fit;

@@ -124,6 +124,22 @@ TEST(Segmenter, SeesAWallThroughAWindow) {
   EXPECT_NEAR(result.polygons[1].area, 0.8 * 0.6 * std::pow(3.5 / 2.5, 2), 0.02 * 0.94);  // what shows through the window
 }
 
+// It stands off by less than the noise of a range: a patch alone cannot tell to which of the two it belongs.
+TEST(Segmenter, FindsAPictureOnTheWallBelowTheNoise) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const auto picture = [](const Eigen::Vector3d& p) { return std::abs(p.y()) < 0.5 && std::abs(p.z()) < 0.35; };
+    BeamGrid grid = forwardBeams(200, 320, kStep);
+    const LabelImage truth =
+        scan({surfaceOf({{-Eigen::Vector3d::UnitX(), -2.97}, picture}), wall({-1.0, 0.0, 0.0}, -3.0)}, grid);
+    addNoise(grid, 0.04, 0.0, 0.0, seed);
+    const Segmentation result = segmented(grid);
+    expectRegions(truth, 2, result, 0.8);
+    ASSERT_EQ(result.regions.size(), 2U) << seed;
+    EXPECT_NEAR(result.regions[0].plane.d, -3.0, 0.003) << seed;
+    EXPECT_NEAR(result.regions[1].plane.d, -2.97, 0.006) << seed;
+  }
+}
+
 TEST(Segmenter, AColumnIsNoPlane) {
   for (const double noise : {0.0, 0.001, 0.003, 0.005, 0.01}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
