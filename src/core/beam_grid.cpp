@@ -10,6 +10,8 @@ namespace ppc {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNoRange = 1e-6F;      // so close to the viewpoint, a point has no direction [m]
+constexpr float kNoDirection = 0.01F;  // between opposite directions there is none: their mean is shorter than this
 
 void resize(BeamGrid& grid, int rows, int cols, bool with_origins) {
   grid.rows = rows;
@@ -24,9 +26,9 @@ void resize(BeamGrid& grid, int rows, int cols, bool with_origins) {
 // ones with the step between the two nearest valid beams. Returns false if the row has no valid pixel.
 bool fillRow(BeamGrid& grid, int row) {
   int previous = -1;
-  const auto set = [&](int col, const Eigen::Vector3f& d) {
+  const auto set = [&](int col, const Eigen::Vector3f& d, const Eigen::Vector3f& otherwise) {
     const int i = grid.index(row, col);
-    const Eigen::Vector3f u = d.normalized();
+    const Eigen::Vector3f u = d.norm() > kNoDirection ? d.normalized() : otherwise;
     grid.dir_x[i] = u.x();
     grid.dir_y[i] = u.y();
     grid.dir_z[i] = u.z();
@@ -39,7 +41,7 @@ bool fillRow(BeamGrid& grid, int row) {
       const Eigen::Vector3f b = grid.direction(grid.index(row, c));
       for (int j = previous + 1; j < c; ++j) {
         const float t = static_cast<float>(j - previous) / static_cast<float>(c - previous);
-        set(j, a + t * (b - a));
+        set(j, a + t * (b - a), a);
       }
     }
     if (first < 0) {
@@ -54,11 +56,11 @@ bool fillRow(BeamGrid& grid, int row) {
   if (first < 0) return false;
   const auto extend = [&](int from, int towards, int col) {
     const Eigen::Vector3f a = grid.direction(grid.index(row, from));
-    if (towards < 0) return set(col, a);
+    if (towards < 0) return set(col, a, a);
     const Eigen::Vector3f b = grid.direction(grid.index(row, towards));
     const float t = static_cast<float>(col - from) / static_cast<float>(from - towards);
     // Never further than the beam next door turned by a quarter: a wide gap must not fold the row over itself.
-    set(col, a + std::clamp(t, 0.0F, 1.0F / std::max(1e-6F, (a - b).norm())) * (a - b));
+    set(col, a + std::clamp(t, 0.0F, 1.0F / std::max(1e-6F, (a - b).norm())) * (a - b), a);
   };
   for (int c = first - 1; c >= 0; --c) extend(first, second, c);
   for (int c = last + 1; c < grid.cols; ++c) extend(last, before_last, c);
@@ -93,7 +95,13 @@ BeamGrid toBeamGrid(const RangeImage& image) {
       };
       const Eigen::Vector3d x = lerp(poses[k].linear().col(0), poses[next].linear().col(0));
       const Eigen::Vector3d y = lerp(poses[k].linear().col(1), poses[next].linear().col(1));
-      const Eigen::Vector3d u = (x * cosines[c] + y * sines[c]).normalized();
+      Eigen::Vector3d u = x * cosines[c] + y * sines[c];
+      double square = u.squaredNorm();
+      if (!(square > kNoDirection * kNoDirection)) {
+        u = poses[k].linear() * Eigen::Vector3d(cosines[c], sines[c], 0.0);
+        square = u.squaredNorm();
+      }
+      u /= std::sqrt(square);
       const int i = grid.index(r, c);
       grid.dir_x[i] = static_cast<float>(u.x());
       grid.dir_y[i] = static_cast<float>(u.y());
@@ -132,7 +140,7 @@ BeamGrid beamGridFromPoints(int rows, int cols, const std::vector<float>& x, con
   for (std::size_t i = 0; i < n; ++i) {
     const Eigen::Vector3f p = Eigen::Vector3f(x[i], y[i], z[i]) - viewpoint;
     const float range = p.norm();
-    if (!std::isfinite(range) || range <= 0.0F) continue;
+    if (!(range > kNoRange && range < std::numeric_limits<float>::infinity())) continue;
     grid.range[i] = range;
     grid.dir_x[i] = p.x() / range;
     grid.dir_y[i] = p.y() / range;

@@ -14,6 +14,7 @@ constexpr double kFarBack = 1.0;           // [s]
 constexpr double kAlike = 1e-7;            // [rad]
 constexpr std::size_t kFrozenSteps = 2;    // steps without motion that may be a frozen encoder
 constexpr std::size_t kSteadySteps = 3;    // steps before them that tell the speed
+constexpr double kMostAngle = 1e9;         // beyond, an angle has no digits left for a part of a turn [rad]
 
 }  // namespace
 
@@ -85,7 +86,7 @@ bool TiltTrack::turnsBack(const Sample& sample) {
 }
 
 void TiltTrack::add(double stamp, double angle) {
-  if (!std::isfinite(stamp) || !std::isfinite(angle)) {
+  if (!std::isfinite(stamp) || !(std::abs(angle) <= kMostAngle)) {
     ++counts_.not_finite;
     return;
   }

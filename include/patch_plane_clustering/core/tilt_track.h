@@ -35,7 +35,7 @@ class TiltTrack {
   };
   struct Counts {
     std::uint64_t accepted = 0;
-    std::uint64_t not_finite = 0;    ///< NaN or infinite stamp or angle
+    std::uint64_t not_finite = 0;    ///< NaN or infinite stamp or angle, or an angle beyond 1e9 rad
     std::uint64_t not_newer = 0;     ///< stamp equal to or before the newest one
     std::uint64_t implausible = 0;   ///< suspect samples that nothing confirmed
     std::uint64_t clock_resets = 0;  ///< confirmed jumps back in time
