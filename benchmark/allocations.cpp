@@ -14,6 +14,7 @@ std::atomic<std::int64_t> allocations{0}, bytes{0}, held{0}, peak{0};
 
 void* take(std::size_t size, std::size_t alignment) {
   void* const block = alignment > alignof(std::max_align_t)
+                          // cppcheck-suppress zerodiv
                           ? std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment)
                           : std::malloc(size == 0 ? 1 : size);
   if (block == nullptr) throw std::bad_alloc();

@@ -103,8 +103,8 @@ std::string ParameterReader::getChoice(const std::string& name, const std::strin
 std::vector<double> ParameterReader::getVector(const std::string& name, const std::vector<double>& value) {
   auto found = find(name);
   if (!found) return value;
-  std::vector<double> given;
   if (found->getType() == XmlRpcValue::TypeArray) {
+    std::vector<double> given;
     for (int i = 0; i < found->size(); ++i) {
       const auto element = number((*found)[i]);
       if (element && std::isfinite(*element)) given.push_back(*element);

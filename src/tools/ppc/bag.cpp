@@ -28,13 +28,34 @@ struct Options {
   BagOptions bag;
 };
 
+// rosbag's exceptions do not tell which file they are about.
+template <typename Write>
+void writing(const std::string& suspects, const Write& write) {
+  try {
+    write();
+  } catch (const rosbag::BagException& error) {
+    throw std::runtime_error(suspects + " cannot be written (" + error.what() + ")");
+  }
+}
+
+// A bag that is given up; its destructor would report on stderr that it cannot be finished.
+void closeQuietly(rosbag::Bag& bag) {
+  const Quiet quiet;
+  try {
+    bag.close();
+  } catch (const rosbag::BagException&) {  // what went wrong before is what counts
+  }
+}
+
 class Writer {
  public:
   Writer(const Options& options, rosbag::Bag& out)
       : options_(options), config_(options.method.config()), method_(options.method.segmenter()), out_(out) {}
 
   void copy(const rosbag::MessageInstance& message) {
-    if (!options_.only_new) out_.write(message.getTopic(), message.getTime(), message, message.getConnectionHeader());
+    if (options_.only_new) return;
+    writing(options_.input + " is damaged, or " + options_.output,
+            [&] { out_.write(message.getTopic(), message.getTime(), message, message.getConnectionHeader()); });
   }
 
   void add(BagSweep&& bag) {
@@ -66,7 +87,7 @@ class Writer {
  private:
   template <typename Message>
   void write(const std::string& name, const ros::Time& time, const Message& message) {
-    out_.write(options_.prefix + name, time, message);
+    writing(options_.output, [&] { out_.write(options_.prefix + name, time, message); });
   }
 
   const Options& options_;
@@ -85,13 +106,19 @@ void run(Options options) {
   }
   requireWritable(options.output);
   writeAtomically(options.output, [&](const std::string& temporary) {
-    rosbag::Bag out(temporary, rosbag::bagmode::Write);
+    rosbag::Bag out;
+    writing(options.output, [&] { out.open(temporary, rosbag::bagmode::Write); });
     out.setCompression(rosbag::compression::LZ4);
-    Writer writer(options, out);
-    readSweeps(
-        options.input, options.bag, [&](const rosbag::MessageInstance& message) { writer.copy(message); },
-        [&](BagSweep&& sweep) { writer.add(std::move(sweep)); }, showProgress);
-    out.close();
+    try {
+      Writer writer(options, out);
+      readSweeps(
+          options.input, options.bag, [&](const rosbag::MessageInstance& message) { writer.copy(message); },
+          [&](BagSweep&& sweep) { writer.add(std::move(sweep)); }, showProgress);
+    } catch (...) {
+      closeQuietly(out);
+      throw;
+    }
+    writing(options.output, [&] { out.close(); });
   });
 }
 

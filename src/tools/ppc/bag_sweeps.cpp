@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bag_sweeps.h"
 
+#include "bag_message.h"
 #include "bag_tilt.h"
 #include "files.h"
 #include "patch_plane_clustering/core/tilt_pose_source.h"
@@ -37,7 +38,11 @@ LineAccounts assemble(const rosbag::Bag& bag, const BagTilt& tilt, const BagOpti
   SweepOptions sweep_options = options.sweep;
   sweep_options.motion = motionNamed(options.motion);
   ros::Time now;
-  SweepAssembler assembler(sweep_options, poses, [&](Sweep&& sweep) { on_sweep({std::move(sweep), tilt.base_frame, now}); });
+  SweepAssembler assembler(sweep_options, poses, [&](Sweep&& sweep) {
+    // As the nodelet gets it: poses are rounded on their way through a message, and results shall be the same to the bit.
+    sweep.image = fromMessage(toMessage(sweep.image, std_msgs::Header()));
+    on_sweep({std::move(sweep), tilt.base_frame, now});
+  });
 
   auto next_tilt = tilt.tilts.begin();
   rosbag::View view(bag);
@@ -47,12 +52,12 @@ LineAccounts assemble(const rosbag::Bag& bag, const BagTilt& tilt, const BagOpti
     now = message.getTime();
     if (on_message) on_message(message);
     if (message.getTopic() == tilt.joint_states) {
-      if (const auto joints = message.instantiate<sensor_msgs::JointState>()) {
+      if (const auto joints = messageOf<sensor_msgs::JointState>(message)) {
         addJointSample(*joints, tilt.joint, poses.track());
         assembler.process();
       }
     } else if (message.getTopic() == tilt.scan) {
-      if (const auto scan = message.instantiate<sensor_msgs::LaserScan>()) {
+      if (const auto scan = messageOf<sensor_msgs::LaserScan>(message)) {
         ScanLine line = toScanLine(*scan, options.time_offset);
         // All of /tf was read beforehand: samples up to the end of the line, and one that brackets it.
         for (bool bracketed = false; next_tilt != tilt.tilts.end() && !bracketed; ++next_tilt) {
@@ -106,6 +111,7 @@ LineAccounts readSweeps(const std::string& path, const BagOptions& options,
   rosbag::Bag bag;
   BagTilt tilt;
   try {
+    const Quiet quiet;
     bag.open(path, rosbag::bagmode::Read);
     tilt = findTilt(bag, options);
   } catch (const rosbag::BagException& error) {
@@ -119,6 +125,8 @@ LineAccounts readSweeps(const std::string& path, const BagOptions& options,
     accounts = assemble(bag, tilt, options, on_message, on_sweep, on_progress);
   } catch (const rosbag::BagException& error) {
     throw std::runtime_error(path + ": is damaged (" + error.what() + ")");
+  } catch (const DamagedMessage& error) {
+    throw std::runtime_error(path + ": " + error.what());
   }
   if (accounts.sweeps == 0) {
     std::string cause = path + ": no sweep in " + std::to_string(accounts.lines_in) + " lines";

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bag_tilt.h"
 
+#include "bag_message.h"
 #include "patch_plane_clustering/core/tilt_pose_source.h"
 
 #include <rosbag/view.h>
@@ -64,7 +65,7 @@ std::string chooseTopic(const rosbag::Bag& bag, const std::string& type, const s
 std::string chooseJoint(const rosbag::Bag& bag, const std::string& topic, const std::string& wanted) {
   std::map<std::string, std::pair<double, double>> ranges;
   for (const rosbag::MessageInstance& message : rosbag::View(bag, rosbag::TopicQuery(topic))) {
-    const auto joints = message.instantiate<sensor_msgs::JointState>();
+    const auto joints = messageOf<sensor_msgs::JointState>(message);
     if (!joints) continue;
     for (std::size_t i = 0; i < std::min(joints->name.size(), joints->position.size()); ++i) {
       const double angle = joints->position[i];
@@ -91,7 +92,7 @@ std::map<std::string, Link> readLinks(const rosbag::Bag& bag) {
   std::map<std::string, Link> links;
   rosbag::View view(bag, rosbag::TypeQuery("tf2_msgs/TFMessage"));
   for (const rosbag::MessageInstance& message : view) {
-    const auto transforms = message.instantiate<tf2_msgs::TFMessage>();
+    const auto transforms = messageOf<tf2_msgs::TFMessage>(message);
     if (!transforms) continue;
     for (const auto& transform : transforms->transforms) {
       const auto& t = transform.transform.translation;
@@ -116,7 +117,7 @@ TiltTrack jointTrack(const rosbag::Bag& bag, const std::string& topic, const std
   options.capacity = 10000000;
   TiltTrack track(options);
   for (const rosbag::MessageInstance& message : rosbag::View(bag, rosbag::TopicQuery(topic))) {
-    const auto joints = message.instantiate<sensor_msgs::JointState>();
+    const auto joints = messageOf<sensor_msgs::JointState>(message);
     if (!joints) continue;
     const auto at = std::find(joints->name.begin(), joints->name.end(), joint);
     const auto index = static_cast<std::size_t>(at - joints->name.begin());
@@ -170,7 +171,7 @@ BagTilt findTilt(const rosbag::Bag& bag, const BagOptions& options) {
   tilt.scan = chooseTopic(bag, "sensor_msgs/LaserScan", options.scan, "--scan");
   if (tilt.scan.empty()) throw std::runtime_error("has no sensor_msgs/LaserScan topic");
   for (const rosbag::MessageInstance& message : rosbag::View(bag, rosbag::TopicQuery(tilt.scan))) {
-    const auto scan = message.instantiate<sensor_msgs::LaserScan>();
+    const auto scan = messageOf<sensor_msgs::LaserScan>(message);
     if (!scan) continue;
     tilt.laser_frame = frameName(scan->header.frame_id);
     break;

@@ -139,6 +139,12 @@ void scoreWithCloud(const EvaluateOptions& options, const BeamGrid& grid, const 
   line["from_polygons"] = json;
 }
 
+void printHead() {
+  std::fprintf(stderr, "%-32s", "image");
+  for (const auto& column : columns()) std::fprintf(stderr, " %9s", column.c_str());
+  std::fprintf(stderr, "\n");
+}
+
 void printRow(const std::string& name, const Json& json) {
   const std::string shown = name.size() > 32 ? "..." + name.substr(name.size() - 29) : name;
   std::fprintf(stderr, "%-32s", shown.c_str());
@@ -188,9 +194,6 @@ void run(const EvaluateOptions& options) {
     if (options.clouds.empty()) throw std::runtime_error("--truth-planes needs --cloud for the points");
     requireCount(options.truth_planes, n, "--truth-planes");
   }
-  std::fprintf(stderr, "%-32s", "image");
-  for (const auto& column : columns()) std::fprintf(stderr, " %9s", column.c_str());
-  std::fprintf(stderr, "\n");
   std::vector<Json> all;
   for (std::size_t i = 0; i < options.labels.size(); ++i) {
     const std::string& truth = options.truth.size() == 1 ? options.truth[0] : options.truth[i];
@@ -214,6 +217,7 @@ void run(const EvaluateOptions& options) {
     } catch (const std::invalid_argument& error) {
       throw std::runtime_error(options.labels[i] + ": " + error.what());
     }
+    if (all.empty()) printHead();
     std::cout << line.dump() << std::endl;
     printRow(options.labels[i], line);
     if (line.contains("from_polygons")) printRow("  from polygons", line["from_polygons"]);

@@ -11,7 +11,8 @@ namespace ppc {
 /// @brief Throws std::runtime_error "FILE: cause" unless `path` is a readable, regular, non-empty file.
 void requireReadableFile(const std::string& path);
 
-/// @brief Throws std::runtime_error naming `path` unless a file can be made in its folder. An empty path is fine.
+/// @brief Throws std::runtime_error naming `path` if it is something other than a regular file, or no file can be made in its
+/// folder. An empty path is fine.
 void requireWritable(const std::string& path);
 
 /// @brief Lets `write` fill a file beside `path` and renames it to `path` when it has succeeded, so that no output is ever
@@ -24,6 +25,19 @@ void writeText(const std::string& path, const std::string& text);
 
 /// @brief The same for a picture; the extension chooses the format. An empty path writes nothing.
 void writeImage(const std::string& path, const cv::Mat& image);
+
+/// @brief While it lives, stderr leads nowhere: for libraries that write there what they also report as an error. For one
+/// thread.
+class Quiet {
+ public:
+  Quiet();
+  ~Quiet();
+  Quiet(const Quiet&) = delete;
+  Quiet& operator=(const Quiet&) = delete;
+
+ private:
+  int stderr_;
+};
 
 /// @brief OUT.png of image 3 of several -> OUT-0003.png; of a single image, or an empty path: unchanged.
 std::string numbered(const std::string& path, int index, bool several);

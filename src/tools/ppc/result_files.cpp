@@ -43,6 +43,7 @@ LabelImage readLabels(const std::string& path) {
   requireReadableFile(path);
   cv::Mat picture;
   try {
+    const Quiet quiet;
     picture = cv::imread(path, cv::IMREAD_UNCHANGED);
   } catch (const cv::Exception& error) {
     throw std::runtime_error(path + ": cannot be read as a picture (" + error.err + ")");

@@ -100,6 +100,7 @@ void run(const Options& o) {
   if (o.bag.empty() && o.pcd.empty() && o.truth.empty() && o.truth_planes.empty()) {
     throw std::invalid_argument("nothing to write: give --bag, --pcd, --truth or --truth-planes");
   }
+  for (const auto& path : {o.bag, o.pcd, o.truth}) requireWritable(path);
   const sim::Scanner scanner(sim::makeScene(o.scene, o.seed), scannerOptions(o), o.seed);
   if (!o.bag.empty()) {
     writeAtomically(o.bag, [&](const std::string& file) {

@@ -1,0 +1,167 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Bad input to the ppc tool: one line that names file and cause, exit status 1, and no output half written.
+Usage: test_bad_input.py PPC_EXECUTABLE"""
+import json
+import os
+import random
+import resource
+import signal
+import subprocess
+import unittest
+
+from test_ppc import COLS, PPC, ROWS, WithFolder, ppc, wall, write_pcd
+
+
+def ppc_on_a_full_disk(limit, *arguments):
+    """As if the disk were full after so many bytes of each file."""
+    def limited():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+    return subprocess.run([PPC, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=300,
+                          preexec_fn=limited)
+
+
+class Clouds(WithFolder):
+    def setUp(self):
+        super().setUp()
+        self.cloud = self.folder / "wall.pcd"
+        write_pcd(self.cloud, wall(), ROWS, COLS)
+
+    def refused(self, name, content, *words):
+        path = self.folder / name
+        path.write_bytes(content)
+        with self.subTest(name):
+            self.assert_fails(ppc("segment", path), name, *words)
+
+    def test_headers_that_lie(self):
+        whole = self.cloud.read_bytes()
+        self.refused("no_width.pcd", whole.replace(b"WIDTH 80\n", b""), "PCD")
+        self.refused("zero.pcd", whole.replace(b"WIDTH 80", b"WIDTH 0"), "no points")
+        self.refused("negative.pcd", whole.replace(b"HEIGHT 60", b"HEIGHT -60"))
+        self.refused("points.pcd", whole.replace(b"POINTS 4800", b"POINTS 4700"))
+        self.refused("size.pcd", whole.replace(b"SIZE 4 4 4", b"SIZE 4 -4 4"))
+        self.refused("count.pcd", whole.replace(b"COUNT 1 1 1", b"COUNT 1 99999999 1"), "truncated")
+        self.refused("nothing_after.pcd", whole.split(b"DATA")[0])
+        self.refused("other_data.pcd", whole.replace(b"DATA binary", b"DATA zipped"))
+
+    def test_what_is_no_file(self):
+        os.mkfifo(self.folder / "pipe.pcd")
+        self.assert_fails(ppc("segment", self.folder / "pipe.pcd"), "pipe.pcd", "not a regular file")
+        self.assert_fails(ppc("segment", "/dev/null"), "/dev/null", "not a regular file")
+
+    @unittest.skipIf(os.geteuid() == 0, "root may read everything")
+    def test_unreadable(self):
+        self.cloud.chmod(0)
+        self.assert_fails(ppc("segment", self.cloud), "wall.pcd", "permission")
+
+    def test_outputs_that_cannot_be(self):
+        os.mkfifo(self.folder / "pipe.json")
+        (self.folder / "folder.png").mkdir()
+        self.assert_fails(ppc("segment", self.cloud, "--labels", self.folder / "folder.png"), "folder.png", "is a directory")
+        self.assert_fails(ppc("segment", self.cloud, "--polygons", self.folder / "pipe.json"), "pipe.json", "not a regular file")
+        self.assert_fails(ppc("segment", self.cloud, "--mesh", self.folder / "none" / "m.ply"), "m.ply", "missing")
+        self.assertEqual(sorted(p.name for p in self.folder.iterdir()), ["folder.png", "pipe.json", "wall.pcd"])
+
+    def test_a_full_disk_leaves_the_old_output(self):
+        for option, name in (("--labels", "l.png"), ("--polygons", "p.json"), ("--mesh", "m.ply"), ("--picture", "p.png")):
+            with self.subTest(name):
+                path = self.folder / name
+                path.write_text("from before")
+                self.assert_fails(ppc_on_a_full_disk(40, "segment", self.cloud, option, path), name)
+                self.assertEqual(path.read_text(), "from before")
+        self.assertEqual(sorted(p.name for p in self.folder.iterdir()), ["l.png", "m.ply", "p.json", "p.png", "wall.pcd"])
+
+    def test_labels_and_polygons_to_evaluate(self):
+        labels, polygons = self.folder / "l.png", self.folder / "p.json"
+        self.assertEqual(ppc("segment", self.cloud, "--labels", labels, "--polygons", polygons).returncode, 0)
+        broken = self.folder / "broken.png"
+        broken.write_bytes(labels.read_bytes()[:60])
+        self.assert_fails(ppc("evaluate", "--truth", broken, "--labels", labels), "broken.png")
+        self.assert_fails(ppc("evaluate", "--truth", labels, "--labels", self.folder), "directory")
+        whole = polygons.read_text()
+        arguments = ("evaluate", "--truth", labels, "--labels", labels, "--cloud", self.cloud, "--polygons")
+        for name, text in (("cut.json", whole[: len(whole) // 2]), ("list.json", "[1, 2]"), ("text.json", "planes"),
+                           ("type.json", whole.replace('"rms": ', '"rms": "a", "x": ')),
+                           ("number.json", json.dumps({"planes": 3})), ("deep.json", "[" * 100000)):
+            with self.subTest(name):
+                (self.folder / name).write_text(text)
+                self.assert_fails(ppc(*arguments, self.folder / name), name, "not a polygons file")
+        small = self.folder / "small.pcd"
+        write_pcd(small, wall(10, 10), 10, 10)
+        self.assert_fails(ppc("evaluate", "--truth", labels, "--labels", labels, "--cloud", small), "l.png")
+
+    def test_configuration_files(self):
+        for name, content in (("empty.yaml", b""), ("binary.yaml", bytes(range(256))), ("list.yaml", b"- 1\n"),
+                              ("nested.yaml", b"patch_size: {a: 1}\n"), ("deep.yaml", b"[" * 100000),
+                              ("range.yaml", b"min_size: -5\n"), ("kind.yaml", b"refine: maybe\n")):
+            with self.subTest(name):
+                (self.folder / name).write_bytes(content)
+                self.assert_fails(ppc("segment", self.cloud, "--config", self.folder / name), name)
+        self.assert_fails(ppc("segment", self.cloud, "--config", self.folder), "directory")
+        self.assert_fails(ppc("segment", self.cloud, "--config", self.folder / "none.yaml"), "none.yaml", "no such file")
+
+
+class Bags(WithFolder):
+
+    def setUp(self):
+        super().setUp()
+        self.bag = self.folder / "s.bag"
+        run = ppc("simulate", "--scene", "corridor", "--sensor", "urg_04lx", "--lines", 30, "--seed", 5, "--bag", self.bag)
+        self.assertEqual(run.returncode, 0, run.stderr)
+
+    def test_what_is_no_bag(self):
+        for name, content in (("empty.bag", b""), ("text.bag", b"not a bag\n" * 100), ("head.bag", b"#ROSBAG V2.0\n"),
+                              ("old.bag", b"#ROSBAG V1.1\n" + bytes(100)), ("cut.bag", self.bag.read_bytes()[:-3000])):
+            with self.subTest(name):
+                (self.folder / name).write_bytes(content)
+                self.assert_fails(ppc("segment", self.folder / name), name)
+                self.assert_fails(ppc("bag", self.folder / name, self.folder / "out.bag"), name)
+        self.assert_fails(ppc("bag", self.folder, self.folder / "out.bag"), "directory")
+        self.assert_fails(ppc("bag", self.folder / "none.bag", self.folder / "out.bag"), "none.bag", "no such file")
+        self.assertFalse((self.folder / "out.bag").exists())
+
+    def test_bag_without_scans(self):
+        only_new = self.folder / "new.bag"
+        self.assertEqual(ppc("bag", self.bag, only_new, "--only-new").returncode, 0)
+        self.assert_fails(ppc("segment", only_new), "new.bag", "sensor_msgs/LaserScan")
+
+    def test_outputs_that_cannot_be(self):
+        (self.folder / "folder.bag").mkdir()
+        self.assert_fails(ppc("bag", self.bag, self.folder / "folder.bag"), "folder.bag", "is a directory")
+        self.assert_fails(ppc("bag", self.bag, self.folder / "none" / "out.bag"), "out.bag", "missing")
+        for option, name in (("--bag", "b.bag"), ("--pcd", "c.pcd"), ("--truth", "t.png")):
+            self.assert_fails(ppc("simulate", "--lines", 30, option, self.folder / "none" / name), name, "missing")
+
+    def test_a_full_disk_leaves_nothing(self):
+        self.assert_fails(ppc_on_a_full_disk(4000, "bag", self.bag, self.folder / "out.bag"), "out.bag", "written")
+        for option, name in (("--bag", "b.bag"), ("--pcd", "c.pcd"), ("--truth", "t.png")):
+            with self.subTest(name):
+                self.assert_fails(ppc_on_a_full_disk(40, "simulate", "--lines", 30, option, self.folder / name), name)
+        self.assertEqual([p.name for p in self.folder.iterdir()], ["s.bag"])
+
+    def test_damaged_bags_end_in_one_line_or_a_whole_result(self):
+        whole, chance = self.bag.read_bytes(), random.Random(1)
+        out = self.folder / "out.bag"
+        refused = 0
+        for i in range(20):
+            content = bytearray(whole)
+            for _ in range(chance.choice((1, 3, 30))):
+                # Half of the damage where it hurts: in the headers at the beginning and in the index at the end.
+                at = chance.choice((chance.randrange(len(content)), chance.randrange(9000), len(content) - 1 - chance.randrange(9000)))
+                content[max(0, at)] = chance.randrange(256)
+            damaged = self.folder / "damaged.bag"
+            damaged.write_bytes(content)
+            run = ppc("bag", damaged, out)
+            with self.subTest(i):
+                if run.returncode == 0:
+                    out.unlink()
+                    continue
+                refused += 1
+                self.assert_fails(run, "damaged.bag")
+                self.assertEqual(sorted(p.name for p in self.folder.iterdir()), ["damaged.bag", "s.bag"])
+        self.assertGreater(refused, 3)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
