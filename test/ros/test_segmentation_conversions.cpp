@@ -134,7 +134,8 @@ TEST(Statistics, CountPointsVerticesAndCompression) {
   EXPECT_EQ(statistics.vertices, polygon.outer.size() + polygon.holes.at(0).size());
   EXPECT_EQ(statistics.planar_points, static_cast<std::uint32_t>(s.segmentation.regions.at(0).points));
   EXPECT_EQ(statistics.valid_points, static_cast<std::uint32_t>(s.segmentation.valid_points));
-  EXPECT_FLOAT_EQ(statistics.compression, static_cast<float>(statistics.valid_points) / statistics.vertices);
+  EXPECT_FLOAT_EQ(statistics.compression,
+                  static_cast<float>(statistics.valid_points) / static_cast<float>(statistics.vertices));
   ASSERT_EQ(statistics.stage_names.size(), s.segmentation.stages.size());
   ASSERT_EQ(statistics.stage_milliseconds.size(), s.segmentation.stages.size());
   EXPECT_EQ(statistics.stage_names.at(0), s.segmentation.stages.at(0).first);

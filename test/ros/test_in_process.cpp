@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// All nodelets in the test's own process, so that a sanitizer sees every thread: sweeps in flight, reconfiguration,
+// unloading.
+#include "patch_plane_clustering/ros/messages.h"
+#include "test_scenes.h"
+
+#include <dynamic_reconfigure/Reconfigure.h>
+#include <gtest/gtest.h>
+#include <nodelet/loader.h>
+#include <ros/ros.h>
+#include <atomic>
+#include <functional>
+#include <set>
+#include <thread>
+
+namespace ppc {
+namespace {
+
+using namespace testing_tools;
+
+bool waitFor(const std::function<bool()>& done, double seconds = 60.0) {
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(seconds);
+  while (ros::ok() && ros::WallTime::now() < end) {
+    ros::spinOnce();
+    if (done()) return true;
+    ros::WallDuration(0.005).sleep();
+  }
+  return false;
+}
+
+bool reconfigure(const std::string& nodelet, int patch_size, double sigma) {
+  dynamic_reconfigure::Reconfigure call;
+  call.request.config.ints.resize(1);
+  call.request.config.ints[0].name = "patch_size";
+  call.request.config.ints[0].value = patch_size;
+  call.request.config.doubles.resize(1);
+  call.request.config.doubles[0].name = "sigma_distance";
+  call.request.config.doubles[0].value = sigma;
+  return ros::service::call(nodelet + "/set_parameters", call);
+}
+
+// What came out of one plane clustering nodelet.
+struct Results {
+  std::set<double> stamps;
+  std::uint32_t polygons = 0, received = 0, skipped = 0;
+  ros::Subscriber polygons_sub, statistics_sub;
+
+  explicit Results(ros::NodeHandle& nh) {
+    polygons_sub = nh.subscribe<PlanarPolygonArray>("/polygons", 100, [this](const auto& m) {
+      stamps.insert(m->header.stamp.toSec());
+      polygons += static_cast<std::uint32_t>(m->polygons.size());
+    });
+    statistics_sub = nh.subscribe<SegmentationStatistics>("/statistics", 100, [this](const auto& m) {
+      received = m->images_received;
+      skipped = m->images_skipped;
+    });
+  }
+};
+
+TEST(InProcess, SweepsAndReconfigurationInFlight) {
+  constexpr int kImages = 60;
+  ros::NodeHandle nh;
+  nodelet::Loader loader(false);
+  ASSERT_TRUE(loader.load("/ppc", "patch_plane_clustering/PatchPlaneClustering", {}, {}));
+  Results results(nh);
+  const ros::Publisher publisher = nh.advertise<RangeImageMsg>("/range_image", 5);
+  ASSERT_TRUE(waitFor([&] {
+    return publisher.getNumSubscribers() == 1 && results.polygons_sub.getNumPublishers() == 1 &&
+           results.statistics_sub.getNumPublishers() == 1;
+  }));
+
+  std::atomic<bool> going{true};
+  std::atomic<int> updates{0}, refused{0};
+  std::thread tuner([&] {
+    for (int i = 0; going; ++i) {
+      if (reconfigure("/ppc", 3 + i % 5, 0.004 + 0.001 * (i % 3))) {
+        ++updates;
+      } else {
+        ++refused;
+      }
+    }
+  });
+  const RangeImageMsg scene = scanMessage({plate()}, 1.0);
+  for (int i = 0; i < kImages; ++i) {
+    auto message = boost::make_shared<RangeImageMsg>(scene);
+    message->header.stamp = ros::Time(100.0 + i);
+    publisher.publish(RangeImageMsgConstPtr(message));
+    // Two at a time: the second arrives while the first is being segmented.
+    if (i % 2 == 1) waitFor([&] { return results.stamps.count(100.0 + i) > 0; }, 20.0);
+  }
+  EXPECT_TRUE(waitFor([&] { return results.received == kImages; }));
+  going = false;
+  tuner.join();
+  EXPECT_EQ(results.stamps.size() + results.skipped, static_cast<std::size_t>(kImages));
+  EXPECT_EQ(results.stamps.count(100.0 + kImages - 1), 1U) << "the newest wins";
+  EXPECT_EQ(results.polygons, results.stamps.size()) << "one plate, one polygon, whatever the parameters";
+  EXPECT_GT(updates, 5);
+  EXPECT_EQ(refused, 0);
+  EXPECT_TRUE(loader.unload("/ppc"));
+}
+
+TEST(InProcess, AllNodeletsUnloadedWhileTheyWork) {
+  ros::NodeHandle nh;
+  nodelet::Loader loader(false);
+  ros::param::set("/scanner/scene", "box");
+  ros::param::set("/scanner/sensor", "urg_04lx");
+  ros::param::set("/scanner/lines_per_pass", 30);
+  ros::param::set("/driver/joint_name", "tilt_joint");
+  Results results(nh);
+  for (int round = 0; round < 3; ++round) {
+    ASSERT_TRUE(loader.load("/ppc", "patch_plane_clustering/PatchPlaneClustering", {}, {}));
+    ASSERT_TRUE(loader.load("/driver", "patch_plane_clustering/TiltScanDriver", {}, {}));
+    ASSERT_TRUE(loader.load("/scanner", "patch_plane_clustering/SimulatedScanner", {}, {}));
+    results.stamps.clear();
+    EXPECT_TRUE(waitFor([&] { return !results.stamps.empty(); })) << "round " << round;
+    // In the direction of the data, and against it: the next one is always at work.
+    for (const char* name : {"/ppc", "/driver", "/scanner"}) EXPECT_TRUE(loader.unload(name));
+  }
+}
+
+}  // namespace
+}  // namespace ppc
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "test_in_process");
+  const ros::NodeHandle keeps_ros_alive;
+  return RUN_ALL_TESTS();
+}
