@@ -9,7 +9,6 @@ rendered once. What is measured is kept in a file, and a run that was interrupte
 Needs the built package (scripts/build) and what scripts/setup --lint installs.
 """
 import argparse
-import collections
 import json
 import pathlib
 import subprocess
@@ -125,7 +124,7 @@ def measure(options, results):
                         if method == 'ppc' or seed in options.rival_seeds:
                             tuning = {k: v for k, v in tuned.get(method, {}).get(condition, {}).items() if k != 'f1'}
                             jobs.append((('methods', condition, scene, seed, method), method, tuning, ()))
-                    if options.ablation and seed in options.ablation_seeds:
+                    if options.ablation and seed in options.ablation_seeds and scene in options.ablation_scenes:
                         for label, switches in ABLATIONS.items():
                             jobs.append((('ablation', condition, scene, seed, label), 'ppc', {}, switches))
                     jobs = [job for job in jobs if job[0] not in results]
@@ -216,10 +215,26 @@ def scene_rows(results):
         yield row
 
 
+def worst_rows(results, count=10):
+    """Where PPC falls short: its images of the lowest F1."""
+    ours = [(record['f1'], key, record) for key, record in results.records.items() if key[0] == 'methods' and key[4] == 'ppc']
+    for f1, key, record in sorted(ours, key=lambda each: (each[0], each[1]))[:count]:
+        yield [key[1], key[2], str(key[3]), shown(f1), str(record['true']), str(record['true'] - record['correct']),
+               str(record['spurious'])]
+
+
+def ablation_images(results):
+    """Those that every variant has been run on."""
+    return {key[1:4] for key in results.records
+            if key[0] == 'ablation' and all(('ablation', *key[1:4], label) in results for label in ABLATIONS)}
+
+
 def ablation_rows(results):
-    for label in results.methods('ablation', ABLATIONS):
-        yield [label, *(shown(mean(results.of('ablation', label, c), 'f1')) for c in CONDITIONS),
-               shown(mean(results.of('ablation', label), 'mean_iou')), shown(mean(results.of('ablation', label), 'spurious'), 1)]
+    images = ablation_images(results)
+    for label in ABLATIONS:
+        records = results.of('ablation', label, keys=images)
+        yield [label, *(shown(mean(results.of('ablation', label, c, images), 'f1')) for c in CONDITIONS),
+               shown(mean(records, 'mean_iou')), shown(mean(records, 'spurious'), 1), shown(mean(records, 'rendered', 'mean_iou'))]
 
 
 def tuning_rows():
@@ -232,7 +247,6 @@ def tuning_rows():
 
 
 def report(results, methods):
-    images = collections.Counter((k[1], k[4]) for k in results.records if k[0] == 'methods')
     text = f'''# Accuracy on simulated scenes
 
 Written by `scripts/accuracy.py`; nothing here is from a real sensor (for that see the tests with recordings). Scenes: {', '.join(SCENES)};
@@ -261,14 +275,19 @@ of the polygons (12 a vertex, 32 a plane, 4 a ring).
 ## PPC by scene (F1)
 
 {table(['scene'], list(CONDITIONS), scene_rows(results))}
-![Range images, truth and result](accuracy_scenes.png)
+Where it falls short, the images of the lowest F1 (to be seen with `ppc simulate --truth-pieces --seed N` and `ppc segment --picture`):
+
+{table(['condition', 'scene', 'seed'], ['F1', 'true', 'not correct', 'spurious'], worst_rows(results))}
+![Truth and result, a colour each](accuracy_scenes.png)
 '''
-    if results.methods('ablation', ABLATIONS):
+    images = ablation_images(results)
+    if images:
         text += f'''
 ## What each addition buys (F1 with it left out)
 
-{table(['left out'], [*CONDITIONS, 'IoU', 'spurious'], ablation_rows(results))}
-IoU and spurious regions are means over all conditions.
+{table(['left out'], [*CONDITIONS, 'IoU', 'spurious', 'IoU of polygons'], ablation_rows(results))}
+Scenes: {', '.join(s for s in SCENES if any(image[1] == s for image in images))}; {len(images)} images in all. IoU and spurious regions are
+means over all conditions.
 '''
     text += f'''
 ## Parameters of the other methods
@@ -276,7 +295,6 @@ IoU and spurious regions are means over all conditions.
 {table(['method', 'condition', 'parameters'], [], tuning_rows())}
 '''
     (DOC / 'accuracy.md').write_text(text)
-    return images
 
 
 def draw_curves(results, methods):
@@ -293,7 +311,7 @@ def draw_curves(results, methods):
         axis.set(title=condition, xlabel='tolerance')
         axis.grid(alpha=0.3)
     axes[0].set(ylabel='correct [% of true regions]', ylim=(0, 102))
-    axes[-1].legend(fontsize=7)
+    axes[0].legend(fontsize=7)
     figure.tight_layout()
     figure.savefig(DOC / 'accuracy_tolerance.png', dpi=80)
 
@@ -339,6 +357,7 @@ def main():
     parser.add_argument('--scenes', nargs='+', default=SCENES, choices=SCENES)
     parser.add_argument('--ablation', action='store_true', help='also with each addition switched off')
     parser.add_argument('--ablation-seeds', nargs='+', type=int, default=[101])
+    parser.add_argument('--ablation-scenes', nargs='+', default=['office', 'stairs', 'curved'], choices=SCENES)
     parser.add_argument('--ppc', default=PPC, help='the built tool')
     parser.add_argument('--results', type=pathlib.Path, default=ROOT / 'build/accuracy.jsonl', help='where results are kept')
     parser.add_argument('--fresh', action='store_true', help='do not go on from there')

@@ -12,10 +12,11 @@ namespace {
 
 class PclMultiPlane : public PlaneSegmenter {
  public:
+  // Defaults: the best at the data sheet's noise in scripts/tune_baselines.py.
   PclMultiPlane()
-      : PlaneSegmenter({{"half_window", 5, 1, 50, "half the width of the window of a normal [columns]"},
-                        {"angle", 0.06, 0.001, 1.6, "between the normals of neighbours [rad]"},
-                        {"distance", 4.0, 0.1, 100.0, "between the planes of neighbours [sigmas at the median range]"},
+      : PlaneSegmenter({{"half_window", 12, 1, 50, "half the width of the window of a normal [columns]"},
+                        {"angle", 0.04, 0.001, 1.6, "between the normals of neighbours [rad]"},
+                        {"distance", 2.0, 0.1, 100.0, "between the planes of neighbours [sigmas at the median range]"},
                         {"curvature", 0.01, 0.0001, 0.34, "largest of a region [1]"}}) {}
 
   LabelImage label(const BeamGrid& grid, const Config& config, std::vector<StageTime>* stages) override {
