@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "nodelet_manager.h"
 #include "scan_player.h"
 
 #include <gtest/gtest.h>
-#include <nodelet/NodeletLoad.h>
-#include <nodelet/NodeletUnload.h>
 #include <sensor_msgs/point_cloud2_iterator.h>
 #include <memory>
 #include <string>
@@ -24,14 +23,6 @@ class FaultRig : public testing::Test {
     set("driver/lever_arm", std::vector<double>{0.05, -0.01, 0.08});
   }
 
-  ~FaultRig() override {
-    for (const std::string& name : loaded_) {
-      nodelet::NodeletUnload unload;
-      unload.request.name = name;
-      EXPECT_TRUE(ros::service::call("/manager/unload_nodelet", unload) && unload.response.success) << name;
-    }
-  }
-
   template <typename Value>
   void set(const std::string& name, const Value& value) {
     ros::param::set(ns_ + "/" + name, value);
@@ -39,8 +30,8 @@ class FaultRig : public testing::Test {
 
   /// Loads both, and connects.
   void start() {
-    load("driver", "TiltScanDriver");
-    load("ppc", "PatchPlaneClustering");
+    ASSERT_TRUE(manager_.load(ns_ + "/driver", "TiltScanDriver"));
+    ASSERT_TRUE(manager_.load(ns_ + "/ppc", "PatchPlaneClustering"));
     polygons_subscriber_ =
         nh_.subscribe<PlanarPolygonArray>(ns_ + "/polygons", 100, [this](const auto& m) { polygons.push_back(m); });
     statistics_subscriber_ =
@@ -127,15 +118,6 @@ class FaultRig : public testing::Test {
   ros::NodeHandle nh_;
 
  private:
-  void load(const std::string& name, const std::string& type) {
-    nodelet::NodeletLoad call;
-    call.request.name = ns_ + "/" + name;
-    call.request.type = "patch_plane_clustering/" + type;
-    ASSERT_TRUE(ros::service::waitForService("/manager/load_nodelet", 30000));
-    ASSERT_TRUE(ros::service::call("/manager/load_nodelet", call) && call.response.success) << call.request.name;
-    loaded_.push_back(call.request.name);
-  }
-
   /// In ascending tilt, the stamps of one pass ascend or descend; those of two are mixed. Turning points and noise swap a
   /// few.
   static void expectOneSweep(const RangeImageMsg& image) {
@@ -163,7 +145,7 @@ class FaultRig : public testing::Test {
       EXPECT_EQ(a.dropped[i].lines, b.dropped[i].lines) << a.dropped[i].cause;
   }
 
-  std::vector<std::string> loaded_;
+  NodeletManager manager_{"/manager"};
   ros::Subscriber polygons_subscriber_, statistics_subscriber_;
 };
 
