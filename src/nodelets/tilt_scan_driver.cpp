@@ -11,6 +11,7 @@
 #include <std_srvs/Trigger.h>
 #include <tf2_ros/transform_listener.h>
 #include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 #include <limits>
 #include <memory>
 #include <pluginlib/class_list_macros.hpp>
@@ -101,7 +102,10 @@ class TiltScanDriver : public nodelet::Nodelet {
 
   void onJoint(const sensor_msgs::JointStateConstPtr& message) {
     const auto found = std::find(message->name.begin(), message->name.end(), options_.joint_name);
-    if (found == message->name.end()) return;  // another joint's
+    if (found == message->name.end()) {  // another joint's
+      health_.other_joints = boost::algorithm::join(message->name, ", ").substr(0, 200);
+      return;
+    }
     ++health_.joint_samples;
     last_joint_ = ros::WallTime::now();
     const auto index = static_cast<std::size_t>(found - message->name.begin());
@@ -144,6 +148,9 @@ class TiltScanDriver : public nodelet::Nodelet {
 
   void publish(const Sweep& sweep) {
     last_sweep_ = ros::WallTime::now();
+    if (assembler_->accounts().sweeps == 1) {
+      NODELET_INFO("The first sweep has %d lines of %d beams", sweep.image.rows, sweep.image.cols);
+    }
     std_msgs::Header header;
     header.seq = static_cast<std::uint32_t>(assembler_->accounts().sweeps);  // tells nodelets of images they have missed
     header.stamp = toTime(sweep.stamp);
@@ -165,6 +172,8 @@ class TiltScanDriver : public nodelet::Nodelet {
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     if (!assembler_) return status.summary(diagnostic_msgs::DiagnosticStatus::ERROR, refusal_);
     const ros::WallTime now = ros::WallTime::now();
+    health_.scan_topic = scan_sub_.getTopic();
+    health_.joint_topic = joint_sub_.getTopic();
     health_.joint_name = options_.joint_name;
     health_.scan_age = (now - last_scan_).toSec();
     health_.joint_age = (now - last_joint_).toSec();
@@ -181,6 +190,8 @@ class TiltScanDriver : public nodelet::Nodelet {
     }
     if (!unknown_.empty()) status.add("Unknown parameters", unknown_);
     diagnostics_.write(health_, (now - last_report_).toSec(), status);
+    const std::string news = diagnostics_.news(status);
+    if (!news.empty()) NODELET_WARN_STREAM(news);
     last_report_ = now;
     health_.last_fault.clear();
   }

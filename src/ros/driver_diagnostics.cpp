@@ -21,10 +21,12 @@ void DriverDiagnostics::write(const DriverHealth& health, double elapsed,
   const bool from_tf = health.joint_name.empty();
   status.summary(DiagnosticStatus::OK, "sweeping");
   if (health.scan_age > kSilence) {
-    status.mergeSummary(DiagnosticStatus::ERROR, "no scans");
+    status.mergeSummary(DiagnosticStatus::ERROR, "no scans on " + health.scan_topic);
   }
   if (!from_tf && health.joint_age > kSilence) {
-    status.mergeSummary(DiagnosticStatus::ERROR, "no samples of joint '" + health.joint_name + "'");
+    status.mergeSummary(DiagnosticStatus::ERROR,
+                        "no samples of joint '" + health.joint_name + "' on " + health.joint_topic +
+                            (health.other_joints.empty() ? "" : ", only of " + health.other_joints));
   }
   const bool no_use = health.joint_samples > last_.joint_samples && health.track.accepted == last_.track.accepted;
   if (!from_tf && health.joint_age <= kSilence && no_use) {
@@ -90,6 +92,18 @@ void DriverDiagnostics::write(const DriverHealth& health, double elapsed,
     status.add("Joint messages rejected: incomplete", health.bad_joint_messages);
   }
   last_ = health;
+}
+
+std::string DriverDiagnostics::news(const diagnostic_updater::DiagnosticStatusWrapper& status) {
+  constexpr int kLasting = 5, kAgain = 30;
+  if (status.level == DiagnosticStatus::OK) {
+    const bool over = troubled_reports_ >= kLasting;
+    troubled_reports_ = 0;
+    return over ? "The driver is well again" : "";
+  }
+  const bool tell = troubled_reports_ % kAgain == kLasting - 1;
+  ++troubled_reports_;
+  return tell ? "The driver is in trouble: " + status.message : "";
 }
 
 }  // namespace ppc

@@ -12,7 +12,10 @@ namespace ppc {
 
 /// @brief What the driver knows about itself; rates and ages are in wall time, for the clock may stand.
 struct DriverHealth {
+  std::string scan_topic;           ///< as resolved
+  std::string joint_topic;          ///< as resolved
   std::string joint_name;           ///< empty: the tilt comes from tf2
+  std::string other_joints;         ///< those of the last message without this joint
   std::uint64_t scans = 0;          ///< messages since start
   std::uint64_t joint_samples = 0;  ///< messages of the joint since start
   double scan_age = 0.0;            ///< since the last message, or since start [s]
@@ -36,8 +39,13 @@ class DriverDiagnostics {
   /// @param elapsed wall time since the last call [s], for the rates
   void write(const DriverHealth& health, double elapsed, diagnostic_updater::DiagnosticStatusWrapper& status);
 
+  /// @brief What a person at the terminal should read of the report just written: trouble that lasts, once in a while; empty
+  /// if there is nothing new.
+  std::string news(const diagnostic_updater::DiagnosticStatusWrapper& status);
+
  private:
   DriverHealth last_;
+  int troubled_reports_ = 0;  // in a row
 };
 
 }  // namespace ppc
