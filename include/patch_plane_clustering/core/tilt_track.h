@@ -9,11 +9,10 @@
 namespace ppc {
 
 struct TiltTrackOptions {
-  double max_gap = 0.5;  ///< never interpolate between samples further apart than this [s]
-  double max_bend =
-      0.005;  ///< nor where samples are missing, if the motion before shows that the tilt may be off by more [rad]
+  double max_gap = 0.5;         ///< never interpolate between samples further apart than this [s]
   double max_speed = 10.0;      ///< a sample that asks for a faster motor is suspect [rad/s]
   std::size_t capacity = 8192;  ///< samples kept; the oldest are forgotten
+  double max_bend = 0.005;      ///< samples missing: no tilt where the motion before says it may be off by more [rad]
 };
 
 /// @brief Angle of the tilt joint over time, from its samples.
