@@ -14,7 +14,7 @@
 namespace ppc {
 namespace {
 
-constexpr double kWholeTolerance = 2.0;  // tolerance over a whole region over that from patch to patch
+constexpr double kWholeTolerance = 1.5;  // tolerance over a whole region over that from patch to patch
 constexpr double kStepTolerance = 1.0;   // tolerance of a step along a border, likewise
 constexpr double kMaxRadius = 0.5;       // of a region, for the tolerance of its angle [m]
 // Regions turned by less, in tolerances of the angle, may be one bowed wall. For them:
