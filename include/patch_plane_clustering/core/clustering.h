@@ -40,7 +40,9 @@ struct PatchComparison {
 };
 
 /// @brief Breadth-first clustering: from the flattest patch on, neighbours join a cluster while they are similar to its
-/// running plane; the plane is refitted at each.
+/// running plane; the plane is refitted at each. Where noise leaves the distance of a patch less certain than the tolerance,
+/// the planar patches around it (one ring, at much noise two), if they are flat together, must be similar to the plane of a
+/// large cluster too: else small steps and weak creases would be crossed one patch at a time.
 PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
                            double threshold, const PatchComparison& comparison = {});
 
