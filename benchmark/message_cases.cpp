@@ -53,12 +53,21 @@ void addConversion(const std::string& name, const Make& make) {
 
 void addMessages() {
   add("range image in, polygons out", [](const Segmented& s, std::vector<StageTime>& stages) {
-    const Segmentation segmentation = segment(toBeamGrid(fromMessage(s.message)), Config());
+    static RangeImage image;  // the nodelet keeps both, too
+    static BeamGrid grid;
+    fromMessage(s.message, image);
+    toBeamGrid(image, grid);
+    const Segmentation segmentation = segment(grid, Config());
     const PlanarPolygonArray polygons = toPolygonArray(segmentation, s.message.header);
     benchmark::DoNotOptimize(polygons.polygons.data());
     stages.insert(stages.end(), segmentation.stages.begin(), segmentation.stages.end());
   });
-  addConversion("range image to grid", [](const Segmented& s) { return toBeamGrid(fromMessage(s.message)); });
+  add("range image to grid", [](const Segmented& s, std::vector<StageTime>&) {
+    static RangeImage image;
+    static BeamGrid grid;
+    fromMessage(s.message, image);
+    toBeamGrid(image, grid);
+  });
   addConversion("point cloud to grid", [](const Segmented& s) { return gridFromCloud(s.cloud); });
   addConversion("polygons", [](const Segmented& s) { return toPolygonArray(s.segmentation, s.message.header); });
   addConversion("statistics", [](const Segmented& s) { return toStatistics(s.segmentation, s.message.header); });

@@ -69,56 +69,6 @@ bool fillRow(BeamGrid& grid, int row) {
 
 }  // namespace
 
-BeamGrid toBeamGrid(const RangeImage& image) {
-  checkConsistent(image);
-  BeamGrid grid;
-  bool same_origin = true;
-  for (const auto& pose : image.line_poses) same_origin = same_origin && pose.translation().isZero(1e-9);
-  resize(grid, image.rows, image.cols, !same_origin);
-  grid.beams_exact = true;
-
-  std::vector<float> cosines(image.cols), sines(image.cols);
-  for (int c = 0; c < image.cols; ++c) {
-    cosines[c] = static_cast<float>(std::cos(image.bearing(c)));
-    sines[c] = static_cast<float>(std::sin(image.bearing(c)));
-  }
-  const int knots = image.poses_per_row;
-  for (int r = 0; r < image.rows; ++r) {
-    const Eigen::Isometry3d* poses = &image.line_poses[static_cast<std::size_t>(r) * knots];
-    for (int c = 0; c < image.cols; ++c) {
-      const double at = knots == 1 || image.cols == 1 ? 0.0 : static_cast<double>(c) * (knots - 1) / (image.cols - 1);
-      const int k = std::min(static_cast<int>(at), std::max(0, knots - 2));
-      const int next = std::min(k + 1, knots - 1);
-      const double t = at - k;
-      const auto lerp = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) -> Eigen::Vector3d {
-        return a + t * (b - a);
-      };
-      const Eigen::Vector3d x = lerp(poses[k].linear().col(0), poses[next].linear().col(0));
-      const Eigen::Vector3d y = lerp(poses[k].linear().col(1), poses[next].linear().col(1));
-      Eigen::Vector3d u = x * cosines[c] + y * sines[c];
-      double square = u.squaredNorm();
-      if (!(square > kNoDirection * kNoDirection)) {
-        u = poses[k].linear() * Eigen::Vector3d(cosines[c], sines[c], 0.0);
-        square = u.squaredNorm();
-      }
-      u /= std::sqrt(square);
-      const int i = grid.index(r, c);
-      grid.dir_x[i] = static_cast<float>(u.x());
-      grid.dir_y[i] = static_cast<float>(u.y());
-      grid.dir_z[i] = static_cast<float>(u.z());
-      if (!same_origin) {
-        const Eigen::Vector3d o = lerp(poses[k].translation(), poses[next].translation());
-        grid.origin_x[i] = static_cast<float>(o.x());
-        grid.origin_y[i] = static_cast<float>(o.y());
-        grid.origin_z[i] = static_cast<float>(o.z());
-      }
-      const float range = image.ranges[i];
-      if (range > 0.0F && isValidRange(range, image.range_min, image.range_max)) grid.range[i] = range;
-    }
-  }
-  return grid;
-}
-
 BeamGrid beamGridFromPoints(int rows, int cols, const std::vector<float>& x, const std::vector<float>& y,
                             const std::vector<float>& z, const Eigen::Vector3f& viewpoint) {
   if (rows <= 0 || cols <= 0) {

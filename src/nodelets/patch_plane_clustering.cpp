@@ -132,7 +132,7 @@ class PatchPlaneClustering : public nodelet::Nodelet {
     try {
       const auto config = this->config();
       const auto start = Clock::now();
-      const BeamGrid grid = arrival.image ? toBeamGrid(fromMessage(*arrival.image)) : gridFromCloud(*arrival.cloud);
+      const BeamGrid& grid = readGrid(arrival);
       if (method_name_ == "ppc" && std::min(grid.rows, grid.cols) < config->patch_size) {
         throw std::invalid_argument("patch_size = " + std::to_string(config->patch_size) + " is larger than the image (" +
                                     std::to_string(grid.rows) + " x " + std::to_string(grid.cols) + ")");
@@ -144,6 +144,17 @@ class PatchPlaneClustering : public nodelet::Nodelet {
     } catch (const std::exception& error) {
       skip(arrival, error.what());
     }
+  }
+
+  /// The grid stays valid until the next message.
+  const BeamGrid& readGrid(const Arrival& arrival) {
+    if (arrival.image) {
+      fromMessage(*arrival.image, image_);
+      toBeamGrid(image_, grid_);
+    } else {
+      grid_ = gridFromCloud(*arrival.cloud);
+    }
+    return grid_;
   }
 
   /// Only the polygons are always made; the rest if somebody listens.
@@ -189,6 +200,8 @@ class PatchPlaneClustering : public nodelet::Nodelet {
 
   std::string method_name_;
   std::unique_ptr<PlaneSegmenter> method_;  // of the worker's thread
+  RangeImage image_;  // of the worker's thread, like the grid: their memory serves the next message too
+  BeamGrid grid_;
   mutable std::mutex config_mutex_;
   std::shared_ptr<const Config> config_;
   boost::recursive_mutex server_mutex_;

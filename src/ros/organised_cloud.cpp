@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/ros/region_color.h"
 #include "patch_plane_clustering/ros/segmentation_conversions.h"
 
@@ -77,6 +78,17 @@ PointField pointField(const char* name, std::uint32_t offset, std::uint8_t datat
   return field;
 }
 
+// Bytes b, g, r, 0 of each label from 0 to the largest.
+std::vector<std::uint32_t> packedColors(const LabelImage& labels) {
+  const std::int32_t highest = highestLabel(labels);
+  std::vector<std::uint32_t> colors;
+  for (std::int32_t label = 0; label <= highest; ++label) {
+    const RegionColor color = regionColor(label);
+    colors.push_back(std::uint32_t{color.r} << 16 | std::uint32_t{color.g} << 8 | color.b);
+  }
+  return colors;
+}
+
 }  // namespace
 
 BeamGrid gridFromCloud(const PointCloud2& cloud) {
@@ -106,14 +118,14 @@ PointCloud2 toSegmentedCloud(const BeamGrid& grid, const LabelImage& labels, con
   cloud.row_step = cloud.point_step * cloud.width;
   cloud.is_dense = false;
   cloud.data.resize(std::size_t{cloud.row_step} * cloud.height);
-  for (int i = 0; i < grid.size(); ++i) {
-    const std::int32_t label = labels.labels[i];
-    const RegionColor color = regionColor(label);
+  const std::vector<std::uint32_t> colors = packedColors(labels);
+  std::uint8_t* out = cloud.data.data();
+  for (int i = 0; i < grid.size(); ++i, out += sizeof(Point)) {
+    const std::int32_t label = labels.labels[static_cast<std::size_t>(i)];
     const Eigen::Vector3f position = grid.point(i);
-    const Point point{position.x(), position.y(), position.z(),
-                      std::uint32_t{color.r} << 16 | std::uint32_t{color.g} << 8 | color.b,
+    const Point point{position.x(), position.y(), position.z(), colors[static_cast<std::size_t>(std::max(0, label))],
                       static_cast<std::uint32_t>(label)};
-    std::memcpy(&cloud.data[sizeof(Point) * static_cast<std::size_t>(i)], &point, sizeof(Point));
+    std::memcpy(out, &point, sizeof(Point));
   }
   return cloud;
 }

@@ -91,13 +91,12 @@ LineAccountsMsg toMessage(const LineAccounts& accounts) {
   return message;
 }
 
-RangeImage fromMessage(const RangeImageMsg& message) {
+void fromMessage(const RangeImageMsg& message, RangeImage& image) {
   if (message.height > kMostPixels || message.width > kMostPixels || message.poses_per_row > kMostPixels) {
     throw std::invalid_argument("range image: height " + std::to_string(message.height) + ", width " +
                                 std::to_string(message.width) + " or poses_per_row " +
                                 std::to_string(message.poses_per_row) + " is too large");
   }
-  RangeImage image;
   image.rows = static_cast<int>(message.height);
   image.cols = static_cast<int>(message.width);
   image.bearing_min = message.bearing_min;
@@ -108,11 +107,18 @@ RangeImage fromMessage(const RangeImageMsg& message) {
   image.intensities = message.intensities;
   image.poses_per_row = static_cast<int>(message.poses_per_row);
   image.tilts.assign(message.tilts.begin(), message.tilts.end());
+  image.row_stamps.clear();
   image.row_stamps.reserve(message.row_stamps.size());
   for (const ros::Time& stamp : message.row_stamps) image.row_stamps.push_back(stamp.toSec());
+  image.line_poses.clear();
   image.line_poses.reserve(message.line_poses.size());
   for (const geometry_msgs::Pose& pose : message.line_poses) image.line_poses.push_back(fromPose(pose));
   checkConsistent(image);
+}
+
+RangeImage fromMessage(const RangeImageMsg& message) {
+  RangeImage image;
+  fromMessage(message, image);
   return image;
 }
 

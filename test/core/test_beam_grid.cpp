@@ -49,6 +49,50 @@ TEST(BeamGrid, ValidityFollowsRep117) {
   EXPECT_TRUE(grid.valid(5));
 }
 
+// Knots between columns, more knots than columns, odd numbers of columns: against the definition, in double precision.
+TEST(BeamGrid, EveryBeamFollowsThePosesAroundIt) {
+  for (const int cols : {1, 2, 5, 16}) {
+    for (const int knots : {1, 2, 3, 7}) {
+      RangeImage image = noddingScan(2, cols, -0.2, 0.2, 2.0);
+      image.poses_per_row = knots;
+      image.line_poses.clear();
+      for (int k = 0; k < 2 * knots; ++k) {
+        Eigen::Isometry3d pose(Eigen::AngleAxisd(0.1 * k, Eigen::Vector3d(0.6, 0.0, 0.8)));
+        pose.translation() = Eigen::Vector3d(0.3, 0.01 * k, -0.02 * k);
+        image.line_poses.push_back(pose);
+      }
+      const BeamGrid grid = toBeamGrid(image);
+      for (int i = 0; i < grid.size(); ++i) {
+        const int row = i / cols, col = i % cols;
+        const double at = cols == 1 ? 0.0 : col * (knots - 1.0) / (cols - 1.0);
+        const int k = std::min(static_cast<int>(at), std::max(0, knots - 2)), next = std::min(k + 1, knots - 1);
+        const Eigen::Matrix4d a = image.line_poses[row * knots + k].matrix();
+        const Eigen::Matrix4d pose = a + (at - k) * (image.line_poses[row * knots + next].matrix() - a);
+        const double bearing = image.bearing(col);
+        const Eigen::Vector3d expected =
+            (pose.block<3, 1>(0, 0) * std::cos(bearing) + pose.block<3, 1>(0, 1) * std::sin(bearing)).normalized();
+        EXPECT_LT((grid.direction(i).cast<double>() - expected).norm(), 2e-7) << cols << " columns, " << knots << " knots";
+        EXPECT_LT((grid.origin(i).cast<double>() - pose.block<3, 1>(0, 3)).norm(), 1e-7);
+      }
+    }
+  }
+}
+
+TEST(BeamGrid, MemoryOfAnotherImageMakesNoDifference) {
+  RangeImage first = noddingScan(4, 9, -0.2, 0.2, 2.0, {0.1, 0.0, 0.0}), second = noddingScan(3, 7, -0.1, 0.3, 1.0);
+  first.ranges.assign(36, 2.0F);
+  second.ranges.assign(21, 3.0F);
+  BeamGrid grid;
+  toBeamGrid(first, grid);
+  toBeamGrid(second, grid);
+  const BeamGrid fresh = toBeamGrid(second);
+  EXPECT_EQ(grid.dir_x, fresh.dir_x);
+  EXPECT_EQ(grid.dir_y, fresh.dir_y);
+  EXPECT_EQ(grid.dir_z, fresh.dir_z);
+  EXPECT_EQ(grid.range, fresh.range);
+  EXPECT_TRUE(grid.origin_x.empty());
+}
+
 // Two knots a row: the pose in between is interpolated at each beam.
 TEST(BeamGrid, PoseIsInterpolatedAlongTheRow) {
   RangeImage image = noddingScan(1, 5, 0, 0, 0.5);

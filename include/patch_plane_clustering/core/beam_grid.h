@@ -37,6 +37,9 @@ struct BeamGrid {
 /// @brief Beams of a range image. @throws std::invalid_argument as checkConsistent().
 BeamGrid toBeamGrid(const RangeImage& image);
 
+/// @brief The same into a grid that is there, whose memory is used again. It is left in part changed if this throws.
+void toBeamGrid(const RangeImage& image, BeamGrid& grid);
+
 /// @brief Beams of an organised cloud with the sensor at `viewpoint`.
 /// @param x,y,z rows x cols coordinates, row-major [m]; any non-finite coordinate makes the pixel invalid, and so does a
 /// point

@@ -26,6 +26,9 @@ LineAccountsMsg toMessage(const LineAccounts& accounts);
 /// @throws std::invalid_argument naming the first field that is wrong.
 RangeImage fromMessage(const RangeImageMsg& message);
 
+/// @brief The same into an image that is there, whose memory is used again. It is left in part changed if this throws.
+void fromMessage(const RangeImageMsg& message, RangeImage& image);
+
 /// @brief Organised cloud (height = lines): x, y, z [m] and, if the image has them, intensity; all float32. x, y, z are NaN
 /// where there is no measurement. Precondition: checkConsistent(image).
 sensor_msgs::PointCloud2 toPointCloud(const RangeImage& image, const std_msgs::Header& header);

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Beams of a range image: cosines and sines once a column, poses once a stretch between two knots, and what is left for each
+// pixel in vector code, two at a time in double precision.
+#include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/lanes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace ppc {
+namespace {
+
+using Pair = double __attribute__((vector_size(16)));
+using FloatPair = float __attribute__((vector_size(8)));
+constexpr int kPair = 2;
+
+// Between opposite directions there is none: the square of their mean's length is smaller than this.
+constexpr double kNoDirection2 = 1e-4;
+
+Pair load(const double* from) {
+  Pair pair;
+  std::memcpy(&pair, from, sizeof pair);
+  return pair;
+}
+
+Pair both(double value) { return Pair{value, value}; }
+
+// In single precision.
+void store(Pair pair, float* to) {
+  const FloatPair lanes = __builtin_convertvector(pair, FloatPair);
+  std::memcpy(to, &lanes, sizeof lanes);
+}
+
+// What the beams of all rows share, column by column; one more entry than columns, for the last pair.
+struct Columns {
+  std::vector<double> cosine, sine;
+  std::vector<double> along;  // 0..1 between the two knots on either side
+  std::vector<int> begin;     // first column of each stretch between knots, and one past the last column
+
+  explicit Columns(const RangeImage& image) {
+    const auto size = static_cast<std::size_t>(image.cols) + kPair - 1;
+    cosine.assign(size, 1.0);
+    sine.assign(size, 0.0);
+    along.assign(size, 0.0);
+    const int stretches = std::max(1, image.poses_per_row - 1);
+    for (int c = 0; c < image.cols; ++c) {
+      const auto i = static_cast<std::size_t>(c);
+      cosine[i] = static_cast<float>(std::cos(image.bearing(c)));
+      sine[i] = static_cast<float>(std::sin(image.bearing(c)));
+      const double at = image.poses_per_row == 1 || image.cols == 1
+                            ? 0.0
+                            : static_cast<double>(c) * (image.poses_per_row - 1) / (image.cols - 1);
+      const int stretch = std::min(static_cast<int>(at), stretches - 1);
+      along[i] = at - stretch;
+      begin.resize(static_cast<std::size_t>(stretch) + 1, c);
+    }
+    begin.resize(static_cast<std::size_t>(stretches) + 1, image.cols);
+  }
+};
+
+// A vector that changes linearly along a stretch.
+struct Change {
+  Pair from[3], step[3];
+
+  Change(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    for (int k = 0; k < 3; ++k) {
+      from[k] = both(a[k]);
+      step[k] = both(b[k] - a[k]);
+    }
+  }
+  Pair at(int axis, Pair along) const { return from[axis] + along * step[axis]; }
+};
+
+Pair squaredLength(const std::array<Pair, 3>& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
+
+// 1 / sqrt of squared lengths. Axes interpolated between knots that are close have almost length 1: a series will do.
+Pair inverseRoot(Pair squared) {
+  const Pair e = squared - 1.0;
+  constexpr double kClose = 1e-3;  // error of the series: 3e-13
+  if (std::abs(e[0]) + std::abs(e[1]) < kClose) return 1.0 + e * (-0.5 + e * (0.375 - 0.3125 * e));
+  return Pair{1.0 / std::sqrt(squared[0]), 1.0 / std::sqrt(squared[1])};
+}
+
+// Calls value(c) for every second column, which gives the vectors of this column and the next, and writes them.
+template <typename Value>
+void fillColumns(int begin, int end, const std::array<float*, 3>& out, const Value& value) {
+  int c = begin;
+  for (; c + kPair <= end; c += kPair) {
+    const std::array<Pair, 3> v = value(static_cast<std::size_t>(c));
+    store(v[0], out[0] + c);
+    store(v[1], out[1] + c);
+    store(v[2], out[2] + c);
+  }
+  if (c == end) return;
+  const std::array<Pair, 3> v = value(static_cast<std::size_t>(c));
+  for (std::size_t k = 0; k < 3; ++k) out[k][c] = static_cast<float>(v[k][0]);
+}
+
+void fillDirections(const Columns& columns, int begin, int end, const Change& x_axis, const Change& y_axis,
+                    const std::array<float*, 3>& out) {
+  fillColumns(begin, end, out, [&](std::size_t c) {
+    const Pair cosine = load(&columns.cosine[c]), sine = load(&columns.sine[c]);
+    const auto beam = [&](Pair along) {
+      return std::array<Pair, 3>{x_axis.at(0, along) * cosine + y_axis.at(0, along) * sine,
+                                 x_axis.at(1, along) * cosine + y_axis.at(1, along) * sine,
+                                 x_axis.at(2, along) * cosine + y_axis.at(2, along) * sine};
+    };
+    Pair along = load(&columns.along[c]);
+    std::array<Pair, 3> u = beam(along);
+    Pair squared = squaredLength(u);
+    if (!(squared[0] > kNoDirection2 && squared[1] > kNoDirection2)) {  // the knots are opposite: take the first one's
+      for (int k = 0; k < kPair; ++k) {
+        if (!(squared[k] > kNoDirection2)) along[k] = 0.0;
+      }
+      u = beam(along);
+      squared = squaredLength(u);
+    }
+    const Pair factor = inverseRoot(squared);
+    return std::array<Pair, 3>{u[0] * factor, u[1] * factor, u[2] * factor};
+  });
+}
+
+void fillOrigins(const Columns& columns, int begin, int end, const Change& origin, const std::array<float*, 3>& out) {
+  fillColumns(begin, end, out, [&](std::size_t c) {
+    const Pair along = load(&columns.along[c]);
+    return std::array<Pair, 3>{origin.at(0, along), origin.at(1, along), origin.at(2, along)};
+  });
+}
+
+// Measurements within the limits, NaN in place of all others.
+void fillRanges(const RangeImage& image, std::vector<float>& out) {
+  // The limits in single precision, rounded inwards, admit the same floats.
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  float low = static_cast<float>(image.range_min), high = static_cast<float>(image.range_max);
+  if (low < image.range_min) low = std::nextafter(low, kInfinity);
+  if (high > image.range_max) high = std::nextafter(high, -kInfinity);
+  const std::size_t n = out.size(), whole = n - n % kLanes;
+  const Lanes lows = fill(low), highs = fill(high), bad = fill(std::numeric_limits<float>::quiet_NaN());
+  const auto filtered = [&](Lanes r) { return (r > Lanes{}) & (lows <= r) & (r <= highs) ? r : bad; };
+  for (std::size_t i = 0; i < whole; i += kLanes) {
+    const Lanes kept = filtered(loadLanes<Lanes>(&image.ranges[i]));
+    std::memcpy(&out[i], &kept, sizeof kept);
+  }
+  for (std::size_t i = whole; i < n; ++i) out[i] = filtered(fill(image.ranges[i]))[0];
+}
+
+}  // namespace
+
+void toBeamGrid(const RangeImage& image, BeamGrid& grid) {
+  checkConsistent(image);
+  const bool same_origin = std::all_of(image.line_poses.begin(), image.line_poses.end(),
+                                       [](const Eigen::Isometry3d& pose) { return pose.translation().isZero(1e-9); });
+  grid.rows = image.rows;
+  grid.cols = image.cols;
+  grid.beams_exact = true;
+  const std::size_t n = image.ranges.size();
+  for (auto* v : {&grid.dir_x, &grid.dir_y, &grid.dir_z, &grid.range}) v->resize(n);
+  for (auto* v : {&grid.origin_x, &grid.origin_y, &grid.origin_z}) v->resize(same_origin ? 0 : n);
+  fillRanges(image, grid.range);
+
+  const Columns columns(image);
+  const auto knots = static_cast<std::size_t>(image.poses_per_row);
+  for (int r = 0; r < image.rows; ++r) {
+    const Eigen::Isometry3d* poses = &image.line_poses[static_cast<std::size_t>(r) * knots];
+    const auto row = static_cast<std::size_t>(grid.index(r, 0));
+    for (std::size_t k = 0; k + 1 < columns.begin.size(); ++k) {
+      const int begin = columns.begin[k], end = columns.begin[k + 1];
+      const Eigen::Isometry3d &a = poses[k], &b = poses[std::min(k + 1, knots - 1)];
+      fillDirections(columns, begin, end, Change(a.linear().col(0), b.linear().col(0)),
+                     Change(a.linear().col(1), b.linear().col(1)),
+                     {grid.dir_x.data() + row, grid.dir_y.data() + row, grid.dir_z.data() + row});
+      if (same_origin) continue;
+      fillOrigins(columns, begin, end, Change(a.translation(), b.translation()),
+                  {grid.origin_x.data() + row, grid.origin_y.data() + row, grid.origin_z.data() + row});
+    }
+  }
+}
+
+BeamGrid toBeamGrid(const RangeImage& image) {
+  BeamGrid grid;
+  toBeamGrid(image, grid);
+  return grid;
+}
+
+}  // namespace ppc
