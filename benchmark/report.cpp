@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "report.h"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace ppc::bench {
@@ -90,7 +91,10 @@ void TableReporter::printStages() const {
 void TableReporter::printSizes() const {
   constexpr char kCase[] = "/ranges to polygons";
   const std::vector<Result> results = group("size/");
-  if (results.empty()) return;
+  if (std::none_of(results.begin(), results.end(),
+                   [&](const Result& r) { return r.name.find(kCase) != std::string::npos; })) {
+    return;
+  }
   std::printf("\n| points | floor ms | ranges to polygons ms | ns a point | x floor | peak MB |\n");
   std::printf("| ---: | ---: | ---: | ---: | ---: | ---: |\n");
   for (const Result& r : results) {
