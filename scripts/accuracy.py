@@ -11,6 +11,7 @@ Needs the built package (scripts/build) and what scripts/setup --lint installs.
 import argparse
 import json
 import pathlib
+import resource
 import subprocess
 import sys
 import tempfile
@@ -75,10 +76,9 @@ def evaluate(ppc, image, polygons=True):
                           *(full if polygons else [])).splitlines()[0])
 
 
-def summary(scores, statistics):
+def summary(scores):
     """What is kept of one image and method."""
     kept = {name: scores[name] for name in ('true', 'found', 'correct', 'spurious', 'f1', 'mean_iou')}
-    kept['ms'] = statistics['total_ms']
     kept['curve'] = [point['correct'] for point in scores['curve']]
     kept['planes'] = scores['planes']
     kept['rendered'] = {name: value for name, value in scores['from_polygons'].items() if name not in ('curve', 'first_fault')}
@@ -132,11 +132,30 @@ def measure(options, results):
                         continue
                     image = render(options.ppc, pathlib.Path(name), condition, scene, seed)
                     for key, method, tuning, switches in jobs:
-                        statistics = segment(options.ppc, image, method, tuning, switches)
-                        results.add(key, summary(evaluate(options.ppc, image), statistics))
+                        segment(options.ppc, image, method, tuning, switches)
+                        results.add(key, summary(evaluate(options.ppc, image)))
                         print(f'{" ".join(map(str, key[1:]))}: F1 {results.records[key]["f1"]:.3f}', flush=True)
                     for file in image.values():
                         file.unlink(missing_ok=True)
+
+
+def measure_times(options, results):
+    """Processor time of one segmentation [s]: of four less that of one, so that reading and writing do not count."""
+    tuned = yaml.safe_load((ROOT / 'scripts/baselines.yaml').read_text())
+    with tempfile.TemporaryDirectory() as name:
+        image = None
+        for method in options.methods:
+            key = ('time', 'UTM-30LX x1', 'office', options.seeds[0], method)
+            if key in results:
+                continue
+            image = image or render(options.ppc, pathlib.Path(name), *key[1:4])
+            tuning = {k: v for k, v in tuned.get(method, {}).get(key[1], {}).items() if k != 'f1'}
+            used = []
+            for repeat in (3, 1):
+                before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+                segment(options.ppc, image, method, tuning, ['--repeat', repeat])
+                used.append(resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before)
+            results.add(key, {'seconds': (used[0] - used[1]) / 3})
 
 
 def mean(records, *path):
@@ -158,18 +177,16 @@ def shown(value, digits=2, unit=''):
     return '-' if value is None else f'{value:.{digits}f}{unit}'
 
 
-def score_row(records, others):
-    """Cells of one row; `others` are the reference's records of the same images, for the time."""
+def score_row(records):
     share = ratio(records, 'correct', 'true')
     normal, refit = mean(records, 'planes', 'true_normal_error_deg'), mean(records, 'planes', 'refit_normal_error_deg')
-    time, base = mean(records, 'ms'), mean(others, 'ms')
     return [shown(mean(records, 'f1')), shown(100 * share if share is not None else None, 1, ' %'), shown(mean(records, 'spurious'), 1),
             shown(mean(records, 'mean_iou')), shown(mean(records, 'rendered', 'f1')), shown(mean(records, 'rendered', 'mean_iou')),
             shown(normal), shown(normal / refit if normal is not None and refit else None),
-            shown(mean(records, 'planes', 'offset_error_mm'), 1), shown(time / base if time and base else None, 1)]
+            shown(mean(records, 'planes', 'offset_error_mm'), 1)]
 
 
-HEADINGS = ['F1', 'correct', 'spurious', 'IoU', 'F1 of polygons', 'IoU of polygons', 'normal [deg]', 'to refit', 'offset [mm]', 'time']
+HEADINGS = ['F1', 'correct', 'spurious', 'IoU', 'F1 of polygons', 'IoU of polygons', 'normal [deg]', 'to refit', 'offset [mm]']
 
 
 def table(first, headings, rows):
@@ -179,15 +196,17 @@ def table(first, headings, rows):
 
 def method_rows(results, methods):
     for condition in CONDITIONS:
-        images = {key[1:4] for key in results.records if key[0] == 'methods' and key[1] == condition}
-        common = {image for image in images if all(('methods', *image, m) in results for m in methods)}
         for method in methods:
             records = results.of('methods', method, condition)
             if records:
-                paired = results.of('methods', method, condition, common)
-                cells = score_row(records, [])
-                cells[-1] = score_row(paired, results.of('methods', 'ppc', condition, common))[-1]
-                yield [condition, method, str(len(records)), *cells]
+                yield [condition, method, str(len(records)), *score_row(records)]
+
+
+def time_rows(results, methods):
+    base = mean(results.of('time', 'ppc'), 'seconds')
+    for method in methods:
+        seconds = mean(results.of('time', method), 'seconds')
+        yield [method, shown(seconds / base if seconds and base else None, 1)]
 
 
 def polygon_rows(results, methods):
@@ -258,13 +277,18 @@ searched on other seeds (below).
 F1 = 2 correct / (true + found); *correct* is the share of true regions; *spurious* regions and everything else are means an image. IoU: mean
 over true regions of the best intersection over union. *Of polygons*: the polygons rendered back along every beam and scored as labels are.
 *Normal*: mean angle between the planes of correct regions and the true planes, and *to refit* its ratio to that of a fit to the true
-pixels. *Offset*: distance of the found plane from the true region's centroid. *Time*: of labels and polygons, as a multiple of PPC's on the same images.
+pixels. *Offset*: distance of the found plane from the centroid of the true region's points.
 
 {table(['condition', 'method', 'images'], HEADINGS, method_rows(results, methods))}
 ![Correct detections over the tolerance](accuracy_tolerance.png)
 
 ![F1 over noise](accuracy_noise.png)
 
+## Time
+
+Processor time of one office at the data sheet's noise, labels and polygons, as a multiple of PPC's:
+
+{table(['method'], ['times PPC'], time_rows(results, methods))}
 ## Polygons
 
 *Boundary*: mean distance of the true outlines of correct regions from the polygon's [mm]. *Holes*: share of true holes of 50 pixels and more
@@ -366,6 +390,7 @@ def main():
     results = Results(options.results, options.fresh)
     if not options.report_only:
         measure(options, results)
+        measure_times(options, results)
     methods = results.methods('methods', ['ppc', *RIVALS])
     report(results, methods)
     draw_curves(results, methods)

@@ -60,6 +60,17 @@ class Readme(unittest.TestCase):
                          (ROOT / "config/PatchPlaneClustering.cfg").read_text())
         self.assertEqual({name: value.lower() for name, value in cfg}, dict(rows))
 
+    def test_accuracy_is_what_was_measured(self):
+        def rows(text):
+            lines = [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines() if line.startswith("|")]
+            return [dict(zip(lines[0], cells)) for cells in lines[2:]]
+        measured = {(row["condition"], row["method"]): row
+                    for row in rows((ROOT / "doc/accuracy.md").read_text().split("\n## ")[0])}
+        shown = rows(README.split("\n## Accuracy\n")[1].split("\n## ")[0])
+        self.assertGreaterEqual(len(shown), 5)
+        for row in shown:
+            self.assertEqual(row, {name: measured[row["condition"], row["method"]][name] for name in row})
+
     def test_launch_files(self):
         self.assertEqual(set(re.findall(r"^\| `(\w+\.launch)`", README, re.MULTILINE)),
                          {path.name for path in (ROOT / "launch").glob("*.launch")})
