@@ -3,6 +3,7 @@
 #include "bag_sweeps.h"
 #include "files.h"
 #include "method_options.h"
+#include "output_bag.h"
 #include "patch_plane_clustering/baselines/plane_segmenter.h"
 #include "patch_plane_clustering/ros/range_image_conversions.h"
 #include "patch_plane_clustering/ros/segmentation_conversions.h"
@@ -38,15 +39,6 @@ void writing(const std::string& suspects, const Write& write) {
   }
 }
 
-// A bag that is given up; its destructor would report on stderr that it cannot be finished.
-void closeQuietly(rosbag::Bag& bag) {
-  const Quiet quiet;
-  try {
-    bag.close();
-  } catch (const rosbag::BagException&) {  // what went wrong before is what counts
-  }
-}
-
 class Writer {
  public:
   Writer(const Options& options, rosbag::Bag& out)
@@ -64,7 +56,9 @@ class Writer {
     header.stamp = toTime(bag.sweep.stamp);
     header.frame_id = bag.frame_id;
     const auto start = std::chrono::steady_clock::now();
-    const BeamGrid grid = toBeamGrid(bag.sweep.image);
+    // As the nodelet gets it: poses are rounded on their way through a message, and results shall be the same to the bit.
+    const RangeImageMsg image = toMessage(bag.sweep.image, header);
+    const BeamGrid grid = toBeamGrid(fromMessage(image));
     const Segmentation result = segmentWith(*method_, grid, config_);
     SegmentationStatistics statistics = toStatistics(result, header);
     statistics.method = options_.method.method;
@@ -72,7 +66,7 @@ class Writer {
         static_cast<float>(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
     statistics.images_received = static_cast<std::uint32_t>(index_ + 1);
 
-    write("range_image", bag.written, toMessage(bag.sweep.image, header));
+    write("range_image", bag.written, image);
     write("polygons", bag.written, toPolygonArray(result, header));
     write("statistics", bag.written, statistics);
     if (options_.clouds) {
@@ -105,20 +99,11 @@ void run(Options options) {
     throw std::runtime_error(options.output + ": is the input; the output needs a name of its own");
   }
   requireWritable(options.output);
-  writeAtomically(options.output, [&](const std::string& temporary) {
-    rosbag::Bag out;
-    writing(options.output, [&] { out.open(temporary, rosbag::bagmode::Write); });
-    out.setCompression(rosbag::compression::LZ4);
-    try {
-      Writer writer(options, out);
-      readSweeps(
-          options.input, options.bag, [&](const rosbag::MessageInstance& message) { writer.copy(message); },
-          [&](BagSweep&& sweep) { writer.add(std::move(sweep)); }, showProgress);
-    } catch (...) {
-      closeQuietly(out);
-      throw;
-    }
-    writing(options.output, [&] { out.close(); });
+  writeBag(options.output, [&](rosbag::Bag& out) {
+    Writer writer(options, out);
+    readSweeps(
+        options.input, options.bag, [&](const rosbag::MessageInstance& message) { writer.copy(message); },
+        [&](BagSweep&& sweep) { writer.add(std::move(sweep)); }, showProgress);
   });
 }
 

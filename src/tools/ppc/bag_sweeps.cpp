@@ -38,11 +38,7 @@ LineAccounts assemble(const rosbag::Bag& bag, const BagTilt& tilt, const BagOpti
   SweepOptions sweep_options = options.sweep;
   sweep_options.motion = motionNamed(options.motion);
   ros::Time now;
-  SweepAssembler assembler(sweep_options, poses, [&](Sweep&& sweep) {
-    // As the nodelet gets it: poses are rounded on their way through a message, and results shall be the same to the bit.
-    sweep.image = fromMessage(toMessage(sweep.image, std_msgs::Header()));
-    on_sweep({std::move(sweep), tilt.base_frame, now});
-  });
+  SweepAssembler assembler(sweep_options, poses, [&](Sweep&& sweep) { on_sweep({std::move(sweep), tilt.base_frame, now}); });
 
   auto next_tilt = tilt.tilts.begin();
   rosbag::View view(bag);

@@ -4,6 +4,7 @@
 #include "files.h"
 #include "method_options.h"
 #include "patch_plane_clustering/baselines/plane_segmenter.h"
+#include "patch_plane_clustering/ros/range_image_conversions.h"
 #include "picture.h"
 #include "result_files.h"
 #include "subcommands.h"
@@ -73,7 +74,9 @@ void run(const SegmentOptions& options) {
   int index = 0;
   const auto on_sweep = [&](BagSweep&& bag) {
     const ImageSource source{bag.frame_id, bag.sweep.stamp};
-    segmentImage(options, config, *method, toBeamGrid(bag.sweep.image), source, index++, true);
+    // Through a message, as the nodelet gets it, for the same results.
+    const BeamGrid grid = toBeamGrid(fromMessage(toMessage(bag.sweep.image, std_msgs::Header())));
+    segmentImage(options, config, *method, grid, source, index++, true);
   };
   readSweeps(options.input, options.bag, {}, on_sweep, showProgress);
 }

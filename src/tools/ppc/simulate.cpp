@@ -5,12 +5,12 @@
 #include "patch_plane_clustering/sim/scanner.h"
 
 #include "files.h"
+#include "output_bag.h"
 #include "simulated_bag.h"
 #include "subcommands.h"
 
 #include <pcl/io/pcd_io.h>
 #include <pcl/point_types.h>
-#include <rosbag/exceptions.h>
 #include <CLI/CLI.hpp>
 #include <map>
 #include <memory>
@@ -103,13 +103,7 @@ void run(const Options& o) {
   for (const auto& path : {o.bag, o.pcd, o.truth}) requireWritable(path);
   const sim::Scanner scanner(sim::makeScene(o.scene, o.seed), scannerOptions(o), o.seed);
   if (!o.bag.empty()) {
-    writeAtomically(o.bag, [&](const std::string& file) {
-      try {
-        writeSimulatedBag(scanner, o.sweeps, file);
-      } catch (const rosbag::BagException& e) {
-        throw std::runtime_error(o.bag + ": cannot be written: " + e.what());
-      }
-    });
+    writeBag(o.bag, [&](rosbag::Bag& bag) { writeSimulatedBag(scanner, o.sweeps, bag); });
   }
   if (o.pcd.empty() && o.truth.empty() && o.truth_planes.empty()) return;
   for (int i = 0; i < o.sweeps; ++i) {

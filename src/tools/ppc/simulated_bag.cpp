@@ -4,14 +4,10 @@
 #include "patch_plane_clustering/ros/simulated_messages.h"
 #include "patch_plane_clustering/sim/scan_stream.h"
 
-#include <rosbag/bag.h>
-
 namespace ppc {
 
-void writeSimulatedBag(const sim::Scanner& scanner, int passes, const std::string& path) {
+void writeSimulatedBag(const sim::Scanner& scanner, int passes, rosbag::Bag& bag) {
   const ros::Time start(1000.0);
-  rosbag::Bag bag(path, rosbag::bagmode::Write);
-  bag.setCompression(rosbag::compression::LZ4);
   sim::ScanStream stream(scanner, 0);
   // One joint sample more than lines: a driver needs it to place the last beams.
   int lines = passes * scanner.options().motion.lines_per_pass;
@@ -27,7 +23,6 @@ void writeSimulatedBag(const sim::Scanner& scanner, int passes, const std::strin
     bag.write("/tf", stamp, toTransforms(scanner, event.joint, start));
     last = lines == 0;
   }
-  bag.close();
 }
 
 }  // namespace ppc
