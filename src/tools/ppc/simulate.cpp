@@ -69,6 +69,7 @@ void writeCloud(const RangeImage& image, const std::string& path) {
   cloud.is_dense = false;
   writeAtomically(path, [&](const std::string& file) {
     try {
+      const Quiet quiet;
       pcl::io::savePCDFileBinary(file, cloud);
     } catch (const pcl::IOException&) {  // says neither what nor why
       throw std::runtime_error(path + ": cannot be written");
