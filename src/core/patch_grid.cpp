@@ -130,6 +130,9 @@ PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, 
   std::vector<std::vector<Patch>> found(static_cast<std::size_t>(bands));
   forEachPart(threads, bands, [&](int band) {
     const int band_begin = band * kBandRows, band_end = std::min(band_begin + kBandRows, grid.rows);
+    std::size_t blocks = 0;
+    for (const int height : out.strip_rows) blocks += (band_end - 1) / height + 1 - (band_begin + height - 1) / height;
+    if (done == nullptr) found[band].reserve(blocks);
     for (int s = 0; s < strips; ++s) {
       const int height = out.strip_rows[s];
       for (int k = (band_begin + height - 1) / height; k * height < band_end; ++k) {
