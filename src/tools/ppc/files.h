@@ -11,8 +11,8 @@ namespace ppc {
 /// @brief Throws std::runtime_error "FILE: cause" unless `path` is a readable, regular, non-empty file.
 void requireReadableFile(const std::string& path);
 
-/// @brief Throws std::runtime_error naming `path` if it is something other than a regular file, or no file can be made in its
-/// folder. An empty path is fine.
+/// @brief Throws std::runtime_error naming `path` if it is something other than a regular file, or no file can be made in
+/// its folder. An empty path is fine.
 void requireWritable(const std::string& path);
 
 /// @brief Lets `write` fill a file beside `path` and renames it to `path` when it has succeeded, so that no output is ever
