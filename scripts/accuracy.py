@@ -265,11 +265,17 @@ def tuning_rows():
                 yield [method, condition, ', '.join(f'{k} {v:g}' for k, v in sorted(best.items()) if k != 'f1')]
 
 
+def seeds_of(results, methods):
+    seeds = {m: ' '.join(str(s) for s in sorted({key[3] for key in results.records if key[0] == 'methods' and key[4] == m}))
+             for m in methods}
+    return ', '.join(f'{m} {seeds[m]}' for m in methods)
+
+
 def report(results, methods):
     text = f'''# Accuracy on simulated scenes
 
 Written by `scripts/accuracy.py`; nothing here is from a real sensor (for that see the tests with recordings). Scenes: {', '.join(SCENES)};
-300 lines over +-60 deg; seeds from 101 on, none of which any parameter was tuned on. One truth region for each piece of a plane
+300 lines over +-60 deg. Seeds: {seeds_of(results, methods)}; parameters were tuned on others. One truth region for each piece of a plane
 that is connected in the image, 400 pixels and more; a region is correct if it overlaps the true one by 80 % of both (Hoover et al. 1996).
 PPC: the defaults, the same everywhere; the noise is estimated from each image. The others: the best parameters for each condition,
 searched on other seeds (below).
