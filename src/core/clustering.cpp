@@ -149,8 +149,7 @@ PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const
     radius[i] = patch.moments.radius();
     seeds.push_back(i);
   }
-  std::vector<Surroundings> around(n);
-  if (!plain) around = measureSurroundings(grid, noise, tolerance);
+  const std::vector<Surroundings> around = plain ? std::vector<Surroundings>() : measureSurroundings(grid, noise, tolerance);
   std::stable_sort(seeds.begin(), seeds.end(), [&](int a, int b) { return roughness[a] < roughness[b]; });
 
   const double greatest = greatestMisfit(threshold);

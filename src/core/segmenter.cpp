@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/clustering.h"
 #include "patch_plane_clustering/core/curvature.h"
+#include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/patch_grid.h"
 #include "patch_plane_clustering/core/refinement.h"
@@ -39,7 +40,7 @@ std::int32_t addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, cons
   weighPatches(noise, patches);
   gatePatches(noise, tolerance, patches);
   const PatchClusters clusters = growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config));
-  const std::int32_t first = 1 + *std::max_element(labels.labels.begin(), labels.labels.end());
+  const std::int32_t first = 1 + highestLabel(labels);
   std::int32_t next = first;
   for (const Cluster& cluster : clusters.clusters) {
     if (cluster.moments.n < config.min_size / 4) continue;
