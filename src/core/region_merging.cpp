@@ -21,7 +21,10 @@ constexpr double kMaxRadius = 0.5;       // of a region, for the tolerance of it
 constexpr double kHardlyTurned = 10.0;
 constexpr double kWholeTurn = 4.0;     // tolerance of the angle over a whole region over that from patch to patch
 constexpr double kMaxBowRadius = 1.0;  // the radius for it [m]
-constexpr int kBorderSteps = 2;        // depth of a border in cells
+constexpr double kBowTurn = 0.14;      // largest angle between two parts of one bowed surface [rad]
+constexpr double kBowEvidence = 1.5;   // least misfit of the planes of both parts at the border over that of one plane there
+constexpr double kBowSignificance = 25.0;  // far beyond chi-square with 3 degrees of freedom
+constexpr int kBorderSteps = 2;            // depth of a border in cells
 constexpr int kMinBorderPoints = 6;
 
 using Pair = std::pair<std::int32_t, std::int32_t>;
@@ -58,6 +61,14 @@ double stepSimilarity(const Moments& a, const Moments& b, const PlaneFit& joint,
   const double variance = sigma * sigma / secantSquared(joint.a, range) * (1.0 / a.n + 1.0 / b.n) * tolerance.inflation;
   const double step = kStepTolerance * tolerance.sigma_distance;
   return std::exp(-0.5 * gap * gap / (variance + step * step));
+}
+
+// One bowed surface (a sagging floor, a wall that is not flat): turned a little, and smooth where the two meet. At a crease
+// the planes of the wholes fit their sides of the border best; across a bow, one plane of its own fits the border better.
+bool isBowed(const Whole& a, const Whole& b, const Moments& side_a, const Moments& side_b,
+             const CoplanarityTolerance& tolerance) {
+  const double crease = chiSquare(side_a, a.fit.a) + chiSquare(side_b, b.fit.a);
+  return crease > kBowEvidence * fitPlane(side_a + side_b).chi2 + kBowSignificance * tolerance.inflation;
 }
 
 // Cells in which several labels meet, or that lie next to a cell with another label.
@@ -290,10 +301,12 @@ void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const Coplanar
       const Whole& b = whole[pair.second];
       const PlaneFit joint = fitPlane(a.moments + b.moments);
       const double s = wholeSimilarity(a, b, joint, noise, tolerance);
-      if (s < threshold) continue;
+      const bool may_bow = a.fit.normal().dot(b.fit.normal()) > std::cos(kBowTurn);
+      if (s < threshold && !may_bow) continue;
       const auto [first, second] = borders.measure(&meetings[begin], meetings.data() + end);
       if (first.n < kMinBorderPoints || second.n < kMinBorderPoints) continue;
-      if (stepSimilarity(first, second, joint, noise, tolerance) >= threshold) candidates.push_back({-s, pair});
+      if (stepSimilarity(first, second, joint, noise, tolerance) < threshold) continue;
+      if (s >= threshold || isBowed(a, b, first, second, tolerance)) candidates.push_back({-s, pair});
     }
     if (candidates.empty()) break;
     std::sort(candidates.begin(), candidates.end());

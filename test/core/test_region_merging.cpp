@@ -108,6 +108,17 @@ Scene turnedWalls(double angle) {
   return Scene({surfaceOf({{left, d}, kLeft}), wall(right, d)});
 }
 
+TEST(MergeLabels, JoinsTheHalvesOfASmoothSagButNotOfACreaseOfTheSameTurn) {
+  Scene sagging({column(9.0, 0.0, 6.0)}, 42);  // from one half to the other its normal turns by 0.1 rad
+  sagging.merge();
+  EXPECT_EQ(countOf(sagging.labels, sagging.labels.labels[0]), sagging.grid.size());
+  const Eigen::Vector3d left(-std::cos(0.05), 0.05, 0.0), right(-std::cos(0.05), -0.05, 0.0);
+  Scene creased({surfaceOf({{left.normalized(), -3.0}, kLeft}), wall(right, -3.0)});
+  const std::vector<std::int32_t> before = creased.labels.labels;
+  creased.merge();
+  EXPECT_EQ(creased.labels.labels, before);
+}
+
 TEST(MergeLabels, JoinsTheSlightlyTurnedHalvesOfABowedWall) {
   Scene bowed = turnedWalls(2.5 * kDegree);  // each half is 4 m wide and leaves the joint plane by some centimetres
   bowed.merge();
