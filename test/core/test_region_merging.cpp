@@ -109,11 +109,11 @@ Scene turnedWalls(double angle) {
 }
 
 TEST(MergeLabels, JoinsTheHalvesOfASmoothSagButNotOfACreaseOfTheSameTurn) {
-  Scene sagging({column(9.0, 0.0, 6.0)}, 42);  // from one half to the other its normal turns by 0.1 rad
+  Scene sagging({column(31.2, 0.0, 19.2)}, 42);  // from one half to the other its normal turns by 0.12 rad
   sagging.merge();
   EXPECT_EQ(countOf(sagging.labels, sagging.labels.labels[0]), sagging.grid.size());
-  const Eigen::Vector3d left(-std::cos(0.05), 0.05, 0.0), right(-std::cos(0.05), -0.05, 0.0);
-  Scene creased({surfaceOf({{left.normalized(), -3.0}, kLeft}), wall(right, -3.0)});
+  const Eigen::Vector3d left(-std::cos(0.06), 0.06, 0.0), right(-std::cos(0.06), -0.06, 0.0);
+  Scene creased({surfaceOf({{left.normalized(), -12.0}, kLeft}), wall(right, -12.0)});
   const std::vector<std::int32_t> before = creased.labels.labels;
   creased.merge();
   EXPECT_EQ(creased.labels.labels, before);
