@@ -76,23 +76,25 @@ struct PlaneFit {
   Eigen::Vector3d normal() const { return -a.normalized(); }  ///< towards the sensor
 };
 
-/// @brief Solves the 3 x 3 normal equations by Cholesky's method. Directions that the points do not determine (a line, one
-/// point) get the smallest solution, through a ridge far below the noise of any real patch.
+/// @brief Solves the 3 x 3 normal equations by a square-root-free Cholesky factorisation, L D L^T: three divisions, one
+/// waiting for the other, are all that holds it up. Directions that the points do not determine (a line, one point) get the
+/// smallest solution, through a ridge far below the noise of any real patch.
 inline PlaneFit fitPlane(const Moments& m) {
   const double ridge = 1e-10 * (m.xx + m.yy + m.zz) + 1e-300;
-  const double l00 = std::sqrt(m.xx + ridge);
-  const double l10 = m.xy / l00, l20 = m.xz / l00;
-  const double l11 = std::sqrt(std::max(m.yy + ridge - l10 * l10, ridge));
-  const double l21 = (m.yz - l20 * l10) / l11;
-  const double l22 = std::sqrt(std::max(m.zz + ridge - l20 * l20 - l21 * l21, ridge));
-  const double y0 = m.x / l00;
-  const double y1 = (m.y - l10 * y0) / l11;
-  const double y2 = (m.z - l20 * y0 - l21 * y1) / l22;
+  const double inverse0 = 1.0 / (m.xx + ridge);
+  const double l10 = m.xy * inverse0, l20 = m.xz * inverse0;
+  const double inverse1 = 1.0 / std::max(m.yy + ridge - l10 * m.xy, ridge);
+  const double rest21 = m.yz - l20 * m.xy;
+  const double l21 = rest21 * inverse1;
+  const double inverse2 = 1.0 / std::max(m.zz + ridge - l20 * m.xz - l21 * rest21, ridge);
+  const double y1 = m.y - l10 * m.x;  // L y = right-hand side; its first entry is m.x
+  const double y2 = m.z - l20 * m.x - l21 * y1;
+  const double z0 = m.x * inverse0, z1 = y1 * inverse1, z2 = y2 * inverse2;
   PlaneFit fit;
-  fit.a.z() = y2 / l22;
-  fit.a.y() = (y1 - l21 * fit.a.z()) / l11;
-  fit.a.x() = (y0 - l10 * fit.a.y() - l20 * fit.a.z()) / l00;
-  fit.chi2 = std::max(0.0, m.w - y0 * y0 - y1 * y1 - y2 * y2);
+  fit.a.z() = z2;
+  fit.a.y() = z1 - l21 * z2;
+  fit.a.x() = z0 - l10 * fit.a.y() - l20 * z2;
+  fit.chi2 = std::max(0.0, m.w - m.x * z0 - y1 * z1 - y2 * z2);
   return fit;
 }
 
