@@ -13,8 +13,11 @@ namespace {
 class PatchPlaneClustering : public PlaneSegmenter {
  public:
   LabelImage label(const BeamGrid& grid, const Config& config, std::vector<StageTime>* stages) override {
-    return clusterPatches(grid, config, stages);
+    return clusterPatches(grid, config, memory_, stages);
   }
+
+ private:
+  ClusteringMemory memory_;
 };
 
 }  // namespace

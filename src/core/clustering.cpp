@@ -43,18 +43,11 @@ bool isFlat(const Moments& m, const PlaneFit& fit, double range, const NoiseMode
   return fit.chi2 < dof * (1.0 + slack) + 3.3 * std::sqrt(2.0 * dof * tolerance.inflation);
 }
 
-// A patch and the planar patches around it, if it is too small to tell by itself where it lies and if they are flat.
-struct Surroundings {
-  Moments moments;
-  PlaneFit fit;
-  double radius = 0.0;
-};
-
-std::vector<Surroundings> measureSurroundings(const PatchGrid& grid, const NoiseModel& noise,
-                                              const CoplanarityTolerance& tolerance) {
+void measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
+                         GrowthMemory& memory) {
   const int count = static_cast<int>(grid.patches.size());
-  std::vector<Surroundings> out(grid.patches.size());
-  std::vector<int> reached(grid.patches.size(), -1), found;
+  std::vector<int>& found = memory.found;
+  memory.reached.assign(grid.patches.size(), -1);
   for (int i = 0; i < count; ++i) {
     const Patch& patch = grid.patches[i];
     if (!patch.planar) continue;
@@ -66,8 +59,8 @@ std::vector<Surroundings> measureSurroundings(const PatchGrid& grid, const Noise
                                                                           : 0;
     if (rings == 0) continue;
     const auto take = [&](int j) {
-      if (reached[j] == i || !grid.patches[j].planar) return;
-      reached[j] = i;
+      if (memory.reached[j] == i || !grid.patches[j].planar) return;
+      memory.reached[j] = i;
       found.push_back(j);
     };
     found.clear();
@@ -80,9 +73,10 @@ std::vector<Surroundings> measureSurroundings(const PatchGrid& grid, const Noise
     Moments sum;
     for (const int j : found) sum += grid.patches[j].moments;
     const PlaneFit fit = fitPlane(sum);
-    if (isFlat(sum, fit, patch.range, noise, tolerance)) out[i] = {sum, fit, sum.radius()};
+    if (!isFlat(sum, fit, patch.range, noise, tolerance)) continue;
+    memory.around_of[i] = static_cast<int>(memory.around.size());
+    memory.around.push_back({sum, fit, sum.radius()});
   }
-  return out;
 }
 
 }  // namespace
@@ -126,15 +120,27 @@ double estimateInflation(const PatchGrid& grid) {
 
 PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
                            double threshold, const PatchComparison& comparison) {
-  const int n = static_cast<int>(grid.patches.size());
+  GrowthMemory memory;
   PatchClusters out;
+  growClusters(grid, noise, tolerance, threshold, comparison, memory, out);
+  return out;
+}
+
+void growClusters(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
+                  const PatchComparison& comparison, GrowthMemory& memory, PatchClusters& out) {
+  const int n = static_cast<int>(grid.patches.size());
+  out.clusters.clear();
+  out.members.clear();
   out.cluster_of.assign(n, -1);
 
   const bool plain = !comparison.running_plane || !comparison.noise_aware;
 
   // Seeds: patches whose whole neighbourhood is flat come first; there the first steps are safe.
-  std::vector<double> roughness(n, 1e30), radius(n, 0.0);
-  std::vector<int> seeds;
+  std::vector<double>&roughness = memory.roughness, &radius = memory.radius;
+  std::vector<int>& seeds = memory.seeds;
+  roughness.resize(n);
+  radius.resize(n);
+  seeds.clear();
   for (int i = 0; i < n; ++i) {
     const Patch& patch = grid.patches[i];
     if (!patch.planar) continue;
@@ -149,11 +155,13 @@ PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const
     radius[i] = patch.moments.radius();
     seeds.push_back(i);
   }
-  const std::vector<Surroundings> around = plain ? std::vector<Surroundings>() : measureSurroundings(grid, noise, tolerance);
+  memory.around.clear();
+  memory.around_of.assign(n, -1);
+  if (!plain) measureSurroundings(grid, noise, tolerance, memory);
   std::stable_sort(seeds.begin(), seeds.end(), [&](int a, int b) { return roughness[a] < roughness[b]; });
 
   const double greatest = greatestMisfit(threshold);
-  std::vector<int> queue;
+  std::vector<int>& queue = out.members;
   for (const int seed : seeds) {
     if (out.cluster_of[seed] >= 0) continue;
     const int id = static_cast<int>(out.clusters.size());
@@ -161,10 +169,12 @@ PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const
     cluster.moments = grid.patches[seed].moments;
     cluster.fit = grid.patches[seed].fit;
     out.cluster_of[seed] = id;
-    queue.assign(1, seed);
-    for (std::size_t head = 0; head < queue.size(); ++head) {
-      const Patch& from = grid.patches[queue[head]];
-      grid.forEachNeighbour(queue[head], [&](int j) {
+    cluster.begin = static_cast<int>(queue.size());
+    queue.push_back(seed);
+    for (auto head = static_cast<std::size_t>(cluster.begin); head < queue.size(); ++head) {
+      const int at = queue[head];
+      const Patch& from = grid.patches[at];
+      grid.forEachNeighbour(at, [&](int j) {
         const Patch& patch = grid.patches[j];
         if (!patch.planar || out.cluster_of[j] >= 0) return;
         const Moments joint = cluster.moments + patch.moments;
@@ -177,8 +187,9 @@ PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const
           const double cost = misfit(fit.chi2 - cluster.fit.chi2 - patch.fit.chi2, precision, radius[j],
                                      secantSquared(fit.a, patch.range), tolerance);
           if (cost > greatest) return;
-          const Surroundings& wide = around[j];
-          if (wide.moments.n > 0 && cluster.moments.n > kClusterSizes * wide.moments.n) {
+          const int around = memory.around_of[j];
+          if (around >= 0 && cluster.moments.n > kClusterSizes * memory.around[around].moments.n) {
+            const Surroundings& wide = memory.around[around];
             const PlaneFit wide_fit = fitPlane(cluster.moments + wide.moments);
             const double wide_cost =
                 misfit(wide_fit.chi2 - cluster.fit.chi2 - wide.fit.chi2, wide.moments.n / (sigma * sigma), wide.radius,
@@ -192,10 +203,9 @@ PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const
         queue.push_back(j);
       });
     }
-    cluster.patches = queue;
-    out.clusters.push_back(std::move(cluster));
+    cluster.end = static_cast<int>(queue.size());
+    out.clusters.push_back(cluster);
   }
-  return out;
 }
 
 }  // namespace ppc

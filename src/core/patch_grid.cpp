@@ -15,8 +15,8 @@ namespace {
 constexpr int kMaxAspect = 16;
 constexpr double kAspect = 1.3;
 constexpr int kStepCols = 8;  // columns between those where the step from row to row is measured
-// Rows whose patches are stored together: what lies together in the image is then also read together.
-constexpr int kBandRows = 32;
+// Rows whose patches are summed and stored together: as few as the processor can fetch ahead.
+constexpr int kBandRows = 8;
 
 double median(std::vector<double>& values) {
   if (values.empty()) return 0.0;
@@ -75,6 +75,8 @@ Eigen::Vector3d sensorCenter(const BeamGrid& grid) {
 }
 
 void linkNeighbours(PatchGrid& grid) {
+  grid.neighbour_begin.clear();
+  grid.neighbours.clear();
   grid.neighbour_begin.reserve(grid.patches.size() + 1);
   grid.neighbours.reserve(6 * grid.patches.size());
   const auto link = [&grid](int block) {
@@ -97,26 +99,16 @@ void linkNeighbours(PatchGrid& grid) {
   grid.neighbour_begin.push_back(static_cast<int>(grid.neighbours.size()));
 }
 
-}  // namespace
-
-PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, const LabelImage* done, int threads) {
-  PatchGrid out;
-  out.rows = grid.rows;
-  out.cols = grid.cols;
-  out.strip_cols = patch_size;
-  out.center = sensorCenter(grid);
-  const int strips = (grid.cols + patch_size - 1) / patch_size;
+// Cuts the columns into strips, and each strip into blocks.
+void layOut(const BeamGrid& grid, int patch_size, bool equal_angle, PatchGrid& out) {
   const double column_step = equal_angle ? columnStep(grid) : 0.0;
   const std::vector<double> row_steps = equal_angle ? rowSteps(grid) : std::vector<double>();
-  const auto sum = [&](const Patch& patch, auto&& choose) {
-    return sumBlock(grid, out.center, patch.row_begin, patch.row_end, patch.col_begin, patch.col_end, choose);
-  };
-  const auto open = [&](int i, int count) { return labelsAt(*done, i, count) <= LaneMask{}; };
-  out.strip_begin.push_back(0);
-  for (int s = 0; s < strips; ++s) {
+  out.strip_rows.clear();
+  out.strip_begin.assign(1, 0);
+  for (int col = 0; col < grid.cols; col += patch_size) {
     int height = patch_size;
     if (equal_angle) {
-      const double row_step = interpolate(row_steps, std::min(s * patch_size + patch_size / 2, grid.cols - 1));
+      const double row_step = interpolate(row_steps, std::min(col + patch_size / 2, grid.cols - 1));
       // Also without any step to go by (one row, no valid pair) the patch stays square.
       const double ratio = row_step > 0.0 && column_step > 0.0 ? column_step / row_step : 1.0;
       height = static_cast<int>(std::lround(std::min(kAspect * ratio, double{kMaxAspect}) * patch_size));
@@ -125,43 +117,127 @@ PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, 
     out.strip_rows.push_back(height);
     out.strip_begin.push_back(out.strip_begin.back() + (grid.rows + height - 1) / height);
   }
-  out.patch_of_block.assign(static_cast<std::size_t>(out.strip_begin.back()), -1);
-  const int bands = (grid.rows + kBandRows - 1) / kBandRows;
-  std::vector<std::vector<Patch>> found(static_cast<std::size_t>(bands));
-  forEachPart(threads, bands, [&](int band) {
-    const int band_begin = band * kBandRows, band_end = std::min(band_begin + kBandRows, grid.rows);
-    std::size_t blocks = 0;
-    for (const int height : out.strip_rows) blocks += (band_end - 1) / height + 1 - (band_begin + height - 1) / height;
-    if (done == nullptr) found[band].reserve(blocks);
-    for (int s = 0; s < strips; ++s) {
-      const int height = out.strip_rows[s];
-      for (int k = (band_begin + height - 1) / height; k * height < band_end; ++k) {
-        Patch patch;
-        patch.row_begin = k * height;
-        patch.row_end = std::min(patch.row_begin + height, grid.rows);
-        patch.col_begin = s * patch_size;
-        patch.col_end = std::min(patch.col_begin + patch_size, grid.cols);
-        const BlockMoments sums = done == nullptr ? sum(patch, [](int, int) { return fillMask(-1); }) : sum(patch, open);
-        if (done != nullptr && sums.moments.n == 0) continue;
-        patch.moments = sums.moments;
-        patch.range = sums.meanRange();
-        if (patch.moments.n > 0) patch.fit = fitPlane(patch.moments);
-        found[band].push_back(patch);
-      }
+}
+
+// Blocks of a strip that begin in rows [begin, end) are those from firstBlock(begin) to firstBlock(end).
+int firstBlock(int row, int height) { return (row + height - 1) / height; }
+
+// Fills in patches from the sums of their blocks, two at a time.
+class PatchFitter {
+ public:
+  explicit PatchFitter(const Eigen::Vector3d& center) : center_(center) {}
+  PatchFitter(const PatchFitter&) = delete;
+  PatchFitter& operator=(const PatchFitter&) = delete;
+  ~PatchFitter() {
+    if (waiting_ != nullptr) fit(sums_, nullptr);
+  }
+
+  void add(const BlockSums& sums, Patch& patch) {
+    if (waiting_ == nullptr) {
+      sums_ = sums;
+      waiting_ = &patch;
+      return;
     }
-  });
-  std::size_t count = 0;
-  for (const auto& patches : found) count += patches.size();
-  out.patches.reserve(count);
-  for (const auto& patches : found) {
-    for (const Patch& patch : patches) {
-      const int strip = patch.col_begin / patch_size;
-      out.patch_of_block[out.strip_begin[strip] + patch.row_begin / out.strip_rows[strip]] =
-          static_cast<int>(out.patches.size());
-      out.patches.push_back(patch);
+    fit(sums, &patch);
+    waiting_ = nullptr;
+  }
+
+ private:
+  void fit(const BlockSums& sums, Patch* patch) {
+    const BlockMoments<Pair> moments = momentsOf(sums_, sums, center_);
+    const PlaneSolution<Pair> solution = solvePlane<Pair>(moments);
+    const auto finish = [&](Patch& out, const BlockSums& from, int k) {
+      const int n = countLanes(from.counted);
+      out.moments = momentsOf(moments, k, n);
+      out.fit = {Eigen::Vector3d(solution.ax[k], solution.ay[k], solution.az[k]), solution.chi2[k]};
+      out.range = moments.ranges[k] / n;
+    };
+    finish(*waiting_, sums_, 0);
+    if (patch != nullptr) finish(*patch, sums, 1);
+  }
+
+  const Eigen::Vector3d& center_;
+  BlockSums sums_;
+  Patch* waiting_ = nullptr;
+};
+
+// Fills the patches of all blocks that begin in rows [band_begin, band_end), with `done` of those only that have points;
+// returns how many.
+template <typename Choose>
+int sumBand(const BeamGrid& grid, const PatchGrid& layout, int band_begin, int band_end, bool keep_empty,
+            const Choose& choose, Patch* out) {
+  const Patch* const first = out;
+  PatchFitter fitter(layout.center);
+  for (int s = 0; s < layout.strips(); ++s) {
+    const int height = layout.strip_rows[s];
+    for (int k = firstBlock(band_begin, height); k < firstBlock(band_end, height); ++k) {
+      Patch& patch = *out;
+      patch.row_begin = k * height;
+      patch.row_end = std::min(patch.row_begin + height, grid.rows);
+      patch.col_begin = s * layout.strip_cols;
+      patch.col_end = std::min(patch.col_begin + layout.strip_cols, grid.cols);
+      const BlockSums sums = sumPixels(grid, patch.row_begin, patch.row_end, patch.col_begin, patch.col_end, choose);
+      if (sums.empty) {
+        if (!keep_empty) continue;
+        patch.moments = Moments();
+        patch.fit = PlaneFit();
+        patch.range = 0.0;
+      } else {
+        fitter.add(sums, patch);
+      }
+      ++out;
     }
   }
+  return static_cast<int>(out - first);
+}
+
+}  // namespace
+
+void makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, const LabelImage* done, int threads,
+                   PatchGrid& out) {
+  out.rows = grid.rows;
+  out.cols = grid.cols;
+  out.strip_cols = patch_size;
+  out.center = sensorCenter(grid);
+  layOut(grid, patch_size, equal_angle, out);
+  const int bands = (grid.rows + kBandRows - 1) / kBandRows;
+  const auto bandBegin = [&](int band) { return std::min(band * kBandRows, grid.rows); };
+  std::vector<int> begin(static_cast<std::size_t>(bands) + 1, 0), count(static_cast<std::size_t>(bands), 0);
+  for (int band = 0; band < bands; ++band) {
+    begin[band + 1] = begin[band];
+    for (const int height : out.strip_rows) {
+      begin[band + 1] += firstBlock(bandBegin(band + 1), height) - firstBlock(bandBegin(band), height);
+    }
+  }
+  out.patches.resize(static_cast<std::size_t>(begin.back()));
+  forEachPart(threads, bands, [&](int band) {
+    Patch* const patches = out.patches.data() + begin[band];
+    if (done == nullptr) {
+      const auto all = [](int, int) { return fillMask(-1); };
+      count[band] = sumBand(grid, out, bandBegin(band), bandBegin(band + 1), true, all, patches);
+    } else {
+      const auto open = [done](int i, int pixels) { return labelsAt(*done, i, pixels) <= LaneMask{}; };
+      count[band] = sumBand(grid, out, bandBegin(band), bandBegin(band + 1), false, open, patches);
+    }
+  });
+  auto end = out.patches.begin();
+  for (int band = 0; band < bands; ++band) {
+    const auto from = out.patches.begin() + begin[band];
+    end = end == from ? from + count[band] : std::move(from, from + count[band], end);
+  }
+  out.patches.erase(end, out.patches.end());
+  out.patch_of_block.assign(static_cast<std::size_t>(out.strip_begin.back()), -1);
+  for (std::size_t k = 0; k < out.patches.size(); ++k) {
+    const Patch& patch = out.patches[k];
+    const int strip = patch.col_begin / patch_size;
+    out.patch_of_block[out.strip_begin[strip] + patch.row_begin / out.strip_rows[strip]] = static_cast<int>(k);
+  }
   linkNeighbours(out);
+}
+
+PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, const LabelImage* done, int threads) {
+  PatchGrid out;
+  makePatchGrid(grid, patch_size, equal_angle, done, threads, out);
   return out;
 }
 

@@ -13,9 +13,7 @@
 namespace ppc {
 namespace {
 
-using Pair = double __attribute__((vector_size(16)));
 using FloatPair = float __attribute__((vector_size(8)));
-constexpr int kPair = 2;
 
 // Between opposite directions there is none: the square of their mean's length is smaller than this.
 constexpr double kNoDirection2 = 1e-4;

@@ -103,10 +103,6 @@ void paint(const BeamGrid& grid, const Patch& patch, std::int32_t label, LabelIm
   }
 }
 
-LabelImage emptyLabels(const BeamGrid& grid) {
-  return {grid.rows, grid.cols, std::vector<std::int32_t>(static_cast<std::size_t>(grid.size()), 0)};
-}
-
 void storeLanes(Lanes lanes, float* to) { std::memcpy(to, &lanes, sizeof lanes); }
 
 // Numbers of the pixels of a cell and its surroundings, one column to the left and right and `reach` rows up and down,
@@ -282,23 +278,19 @@ class PatchResolver {
 
 }  // namespace
 
-LabelImage patchLabels(const BeamGrid& grid, const PatchGrid& patches, const PatchClusters& clusters) {
-  LabelImage out = emptyLabels(grid);
+void patchLabels(const BeamGrid& grid, const PatchGrid& patches, const PatchClusters& clusters, LabelImage& out) {
+  out.rows = grid.rows;
+  out.cols = grid.cols;
+  out.labels.assign(static_cast<std::size_t>(grid.size()), 0);
   for (std::size_t p = 0; p < patches.patches.size(); ++p) {
     if (clusters.cluster_of[p] >= 0) paint(grid, patches.patches[p], clusters.cluster_of[p] + 1, out);
   }
-  return out;
 }
 
-LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares, const LabelImage& labels,
-                        const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
-                        const CoplanarityTolerance& tolerance, std::int32_t first_open, std::vector<char>* changed,
-                        int threads) {
-  LabelImage out = labels;
-  if (changed != nullptr) changed->assign(cells.patches.size(), 0);
-  const auto mark = [changed](int k) {
-    if (changed != nullptr) (*changed)[k] = 1;
-  };
+void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
+                  const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
+                  std::int32_t first_open, LabelImage& labels, std::vector<char>& changed, int threads) {
+  changed.assign(cells.patches.size(), 0);
   const int count = static_cast<int>(cells.patches.size());
 
   // The label of cells that have just one, whole; 0 of all others.
@@ -325,7 +317,7 @@ LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const Cell
       bool inside = own > 0;
       cells.forEachNeighbour(k, [&](int j) { inside = inside && (whole[j] == own || cells.patches[j].moments.n == 0); });
       if (inside) {
-        if (resolver.clearOutliers(cell, own, out)) mark(k);
+        if (resolver.clearOutliers(cell, own, labels)) changed[k] = 1;
         continue;
       }
       candidates.clear();
@@ -336,11 +328,10 @@ LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const Cell
         }
       }
       std::sort(candidates.begin(), candidates.end());
-      resolver.resolve(cell, candidates, first_open, out);
-      mark(k);
+      resolver.resolve(cell, candidates, first_open, labels);
+      changed[k] = 1;
     }
   });
-  return out;
 }
 
 void splitComponents(int gap_rows, int gap_cols, LabelImage& labels) {

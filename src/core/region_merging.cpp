@@ -27,7 +27,7 @@ constexpr double kBowSignificance = 25.0;  // far beyond chi-square with 3 degre
 constexpr int kBorderSteps = 2;            // depth of a border in cells
 constexpr int kMinBorderPoints = 6;
 
-using Pair = std::pair<std::int32_t, std::int32_t>;
+using LabelPair = std::pair<std::int32_t, std::int32_t>;
 
 // A label as a whole.
 struct Whole {
@@ -95,7 +95,7 @@ struct Meeting {
   static std::uint64_t keyOf(std::int32_t a, std::int32_t b) {
     return static_cast<std::uint64_t>(std::min(a, b)) << 32U | static_cast<std::uint64_t>(std::max(a, b));
   }
-  Pair pair() const { return {static_cast<std::int32_t>(key >> 32U), static_cast<std::int32_t>(key & 0xffffffffU)}; }
+  LabelPair pair() const { return {static_cast<std::int32_t>(key >> 32U), static_cast<std::int32_t>(key & 0xffffffffU)}; }
 };
 
 // Where labels meet of which at least one is fresh; in ascending pairs. `names`: what the labels of the shares have become.
@@ -139,7 +139,7 @@ class BorderSums {
       take(at->cell);
       take(at->other);
     }
-    const Pair pair = begin->pair();
+    const LabelPair pair = begin->pair();
     std::size_t next = 0;
     for (int step = 0; step < kBorderSteps; ++step) {
       const std::size_t last = wave_.size();
@@ -204,16 +204,18 @@ void shareCell(const BeamGrid& grid, const Patch& cell, const Eigen::Vector3d& c
     }
   }
   for (const std::int32_t label : found) {
-    BlockMoments sums = sumBlock(grid, center, cell.row_begin, cell.row_end, cell.col_begin, cell.col_end,
-                                 [&](int i, int count) { return labelsAt(labels, i, count) == fillMask(label); });
-    if (sums.moments.n == 0) continue;
-    if (found.size() == 1 && sums.moments.n == cell.moments.n) {  // the patch's own sums serve
+    const BlockSums sums = sumPixels(grid, cell.row_begin, cell.row_end, cell.col_begin, cell.col_end,
+                                     [&](int i, int count) { return labelsAt(labels, i, count) == fillMask(label); });
+    if (sums.empty) continue;
+    const int n = countLanes(sums.counted);
+    if (found.size() == 1 && n == cell.moments.n) {  // the patch's own sums serve
       out.shares.push_back({label, cell.moments});
       continue;
     }
-    const double sigma = noise.sigma(sums.meanRange());
-    sums.moments.scale(1.0 / (sigma * sigma));
-    out.shares.push_back({label, sums.moments});
+    const BlockMoments<double> block = momentsOf(sums, center);
+    const double sigma = noise.sigma(block.ranges / n);
+    out.shares.push_back({label, momentsOf(block, 0, n)});
+    out.shares.back().moments.scale(1.0 / (sigma * sigma));
   }
 }
 
@@ -243,19 +245,24 @@ void rename(const std::vector<std::int32_t>& names, CellShares& cells) {
 
 CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels,
                       int threads) {
-  return shareCells(grid, cells, noise, labels, CellShares(), std::vector<char>(cells.patches.size(), 1), threads);
+  CellShares shares, memory;
+  updateShares(grid, cells, noise, labels, std::vector<char>(cells.patches.size(), 1), shares, memory, threads);
+  return shares;
 }
 
-CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels,
-                      const CellShares& before, const std::vector<char>& changed, int threads) {
+void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels,
+                  const std::vector<char>& changed, CellShares& shares, CellShares& memory, int threads) {
+  std::swap(shares, memory);
+  const CellShares& before = memory;
   const int count = static_cast<int>(cells.patches.size());
   const int parts = std::max(1, threads);
   const auto partBegin = [&](int part) { return static_cast<int>(static_cast<long long>(count) * part / parts); };
-  std::vector<CellShares> found(static_cast<std::size_t>(parts));
+  std::vector<CellShares> rest(static_cast<std::size_t>(parts - 1));  // the first part's go where all will be
   forEachPart(threads, parts, [&](int part) {
-    CellShares& mine = found[part];
+    CellShares& mine = part == 0 ? shares : rest[part - 1];
+    mine.begin.clear();
+    mine.shares.clear();
     std::vector<std::int32_t> scratch;
-    mine.shares.reserve(static_cast<std::size_t>(partBegin(part + 1) - partBegin(part)));
     for (int k = partBegin(part); k < partBegin(part + 1); ++k) {
       mine.begin.push_back(static_cast<int>(mine.shares.size()));
       if (changed[k] != 0) {
@@ -266,14 +273,12 @@ CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseM
       }
     }
   });
-  CellShares out = std::move(found.front());
-  for (int part = 1; part < parts; ++part) {
-    const auto offset = static_cast<int>(out.shares.size());
-    for (const int begin : found[part].begin) out.begin.push_back(offset + begin);
-    out.shares.insert(out.shares.end(), found[part].shares.begin(), found[part].shares.end());
+  for (const CellShares& part : rest) {
+    const auto offset = static_cast<int>(shares.shares.size());
+    for (const int begin : part.begin) shares.begin.push_back(offset + begin);
+    shares.shares.insert(shares.shares.end(), part.shares.begin(), part.shares.end());
   }
-  out.begin.push_back(static_cast<int>(out.shares.size()));
-  return out;
+  shares.begin.push_back(static_cast<int>(shares.shares.size()));
 }
 
 std::vector<Eigen::Vector3d> labelPlanes(const CellShares& cells) {
@@ -292,10 +297,10 @@ void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const Coplanar
   const std::vector<int> border = borderCells(cells, shares);
   BorderSums borders(cells, shares, names);
   while (true) {
-    std::vector<std::pair<double, Pair>> candidates;
+    std::vector<std::pair<double, LabelPair>> candidates;
     const std::vector<Meeting> meetings = findMeetings(cells, shares, border, names, fresh);
     for (std::size_t begin = 0, end = 0; begin < meetings.size(); begin = end) {
-      const Pair pair = meetings[begin].pair();
+      const LabelPair pair = meetings[begin].pair();
       while (end < meetings.size() && meetings[end].key == meetings[begin].key) ++end;
       const Whole& a = whole[pair.first];
       const Whole& b = whole[pair.second];

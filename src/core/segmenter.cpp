@@ -34,18 +34,19 @@ PatchComparison comparisonOf(const Config& config) { return {config.running_plan
 
 // Regions too thin for any patch to fit inside: smaller patches of what the first pass left over. Returns their first label.
 std::int32_t addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                             const Config& config, LabelImage& labels) {
-  PatchGrid patches =
-      makePatchGrid(grid, std::max(2, (config.patch_size + 2) / 2), config.equal_angle, &labels, config.threads);
+                             const Config& config, ClusteringMemory& memory, LabelImage& labels) {
+  PatchGrid& patches = memory.small_patches;
+  makePatchGrid(grid, std::max(2, (config.patch_size + 2) / 2), config.equal_angle, &labels, config.threads, patches);
   weighPatches(noise, patches);
   gatePatches(noise, tolerance, patches);
-  const PatchClusters clusters = growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config));
+  const PatchClusters& clusters = memory.clusters;
+  growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config), memory.growth, memory.clusters);
   const std::int32_t first = 1 + highestLabel(labels);
   std::int32_t next = first;
   for (const Cluster& cluster : clusters.clusters) {
     if (cluster.moments.n < config.min_size / 4) continue;
-    for (const int k : cluster.patches) {
-      const Patch& patch = patches.patches[k];
+    for (int m = cluster.begin; m < cluster.end; ++m) {
+      const Patch& patch = patches.patches[clusters.members[m]];
       for (int r = patch.row_begin; r < patch.row_end; ++r) {
         for (int c = patch.col_begin; c < patch.col_end; ++c) {
           const int i = grid.index(r, c);
@@ -61,12 +62,19 @@ std::int32_t addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, cons
 }  // namespace
 
 LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vector<StageTime>* stages) {
+  ClusteringMemory memory;
+  return clusterPatches(grid, config, memory, stages);
+}
+
+LabelImage clusterPatches(const BeamGrid& grid, const Config& config, ClusteringMemory& memory,
+                          std::vector<StageTime>* stages) {
   Stopwatch watch;
   const auto lap = [&](const char* stage) {
     if (stages != nullptr) stages->emplace_back(stage, watch.lap());
   };
-  PatchGrid patches = makePatchGrid(grid, std::min(config.patch_size, std::max(grid.rows, grid.cols)), config.equal_angle,
-                                    nullptr, config.threads);
+  PatchGrid& patches = memory.patches;
+  makePatchGrid(grid, std::min(config.patch_size, std::max(grid.rows, grid.cols)), config.equal_angle, nullptr,
+                config.threads, patches);
   lap("moments");
 
   const NoiseModel noise = config.noise_scale > 0.0 ? NoiseModel(config.sensor, config.noise_scale)
@@ -78,25 +86,34 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vecto
   gatePatches(noise, tolerance, patches);
   lap("fits");
 
-  LabelImage labels =
-      patchLabels(grid, patches, growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config)));
+  growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config), memory.growth, memory.clusters);
+  LabelImage labels;
+  patchLabels(grid, patches, memory.clusters, labels);
   lap("clustering");
-  CellShares shares = shareCells(grid, patches, noise, labels, config.threads);
-  if (config.merge) {
-    mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels);
-    lap("merging");
-  }
+  CellShares& shares = memory.shares;
+  std::vector<char>& changed = memory.changed;
+  const auto update = [&] {
+    updateShares(grid, patches, noise, labels, changed, shares, memory.shares_before, config.threads);
+  };
+  const auto merge = [&] {
+    if (config.merge) mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels);
+  };
+  const auto refine = [&](std::int32_t first_open) {
+    refineLabels(grid, patches, shares, labelPlanes(shares), noise, tolerance, first_open, labels, changed, config.threads);
+  };
+  changed.assign(patches.patches.size(), 1);
+  update();
+  merge();
+  if (config.merge) lap("merging");
   if (config.refine) {
-    std::vector<char> changed;
-    labels = refineLabels(grid, patches, shares, labels, labelPlanes(shares), noise, tolerance, 1, &changed, config.threads);
+    refine(1);
     lap("refinement");
     if (config.second_pass) {
-      const std::int32_t first_new = addSmallRegions(grid, noise, tolerance, config, labels);
-      shares = shareCells(grid, patches, noise, labels, shares, changed, config.threads);
-      labels = refineLabels(grid, patches, shares, labels, labelPlanes(shares), noise, tolerance, first_new, &changed,
-                            config.threads);
-      shares = shareCells(grid, patches, noise, labels, shares, changed, config.threads);
-      if (config.merge) mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels);
+      const std::int32_t first_new = addSmallRegions(grid, noise, tolerance, config, memory, labels);
+      update();
+      refine(first_new);
+      update();
+      merge();
       lap("second pass");
     }
   }

@@ -93,14 +93,15 @@ TEST(GrowClusters, AWallIsOneCluster) {
   for (std::size_t id = 0; id < clusters.clusters.size(); ++id) {
     const Cluster& cluster = clusters.clusters[id];
     int points = 0;
-    for (const int k : cluster.patches) {
+    for (int m = cluster.begin; m < cluster.end; ++m) {
+      const int k = clusters.members[m];
       EXPECT_EQ(clusters.cluster_of[k], static_cast<int>(id));
       points += patches.patches[k].moments.n;
     }
     EXPECT_EQ(cluster.moments.n, points);
-    if (cluster.patches.size() > clusters.clusters[largest].patches.size()) largest = id;
+    if (cluster.size() > clusters.clusters[largest].size()) largest = id;
   }
-  EXPECT_GT(clusters.clusters[largest].patches.size(), 0.97 * planarCount(patches));
+  EXPECT_GT(clusters.clusters[largest].size(), 0.97 * planarCount(patches));
   EXPECT_NEAR(clusters.clusters[largest].fit.distance(), 3.0, 0.001);
   EXPECT_LT((clusters.clusters[largest].fit.normal() + Eigen::Vector3d::UnitX()).norm(), 0.002);
 }
@@ -151,9 +152,9 @@ std::vector<Surface> bend() {
 TEST(GrowClusters, AgainstTheNeighbourAloneItCreepsRoundABend) {
   const PatchGrid patches = gatedPatches(bend());
   const auto largest = [&](bool running_plane) {
-    std::size_t size = 0;
+    int size = 0;
     for (const Cluster& cluster : growClusters(patches, kNoise, kTolerance, 0.1, {running_plane, true}).clusters) {
-      size = std::max(size, cluster.patches.size());
+      size = std::max(size, cluster.size());
     }
     return static_cast<double>(size) / planarCount(patches);
   };

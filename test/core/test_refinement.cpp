@@ -22,7 +22,10 @@ PatchGrid weighedCells(const BeamGrid& grid) {
 LabelImage refine(const BeamGrid& grid, const LabelImage& labels, std::int32_t first_open = 1) {
   const PatchGrid cells = weighedCells(grid);
   const CellShares shares = shareCells(grid, cells, kNoise, labels);
-  return refineLabels(grid, cells, shares, labels, labelPlanes(shares), kNoise, kTolerance, first_open);
+  LabelImage out = labels;
+  std::vector<char> changed;
+  refineLabels(grid, cells, shares, labelPlanes(shares), kNoise, kTolerance, first_open, out, changed);
+  return out;
 }
 
 // Two walls that meet at right angles straight ahead, 3 m away; and the labels of whole patches only.
@@ -47,7 +50,8 @@ TEST(PatchLabels, PaintTheValidPixelsOfClusteredPatches) {
   const PatchGrid patches = makePatchGrid(grid, 4, false);
   PatchClusters clusters;
   clusters.cluster_of = {0, -1, 1, 0};  // strip by strip
-  const LabelImage labels = patchLabels(grid, patches, clusters);
+  LabelImage labels;
+  patchLabels(grid, patches, clusters, labels);
   EXPECT_EQ(labels.labels[grid.index(0, 0)], 1);
   EXPECT_EQ(labels.labels[grid.index(0, 1)], 0);
   EXPECT_EQ(labels.labels[grid.index(7, 0)], 0);

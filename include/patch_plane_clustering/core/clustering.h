@@ -13,13 +13,31 @@ namespace ppc {
 struct Cluster {
   Moments moments;
   PlaneFit fit;
-  std::vector<int> patches;
+  int begin = 0, end = 0;  ///< its patches are members[begin, end) of all clusters
+
+  int size() const { return end - begin; }
 };
 
 /// @brief Clusters of the planar patches of an image.
 struct PatchClusters {
   std::vector<Cluster> clusters;
+  std::vector<int> members;     ///< patches of all clusters, one cluster after the other, in the order in which they joined
   std::vector<int> cluster_of;  ///< for every patch: index of its cluster, or -1
+};
+
+/// @brief A patch and the planar patches around it, if it is too small to tell by itself where it lies and if they are flat.
+struct Surroundings {
+  Moments moments;
+  PlaneFit fit;
+  double radius = 0.0;
+};
+
+/// @brief Working memory of growClusters(), which one image after the other may use.
+struct GrowthMemory {
+  std::vector<double> roughness, radius;
+  std::vector<int> seeds, reached, found;
+  std::vector<int> around_of;  ///< for every patch: index of its surroundings, or -1
+  std::vector<Surroundings> around;
 };
 
 /// @brief Divides the unit-noise moments of every patch, and the chi-square of its fit, by the variance of a range there.
@@ -45,5 +63,9 @@ struct PatchComparison {
 /// large cluster too: else small steps and weak creases would be crossed one patch at a time.
 PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
                            double threshold, const PatchComparison& comparison = {});
+
+/// @brief The same into clusters that are there, whose memory is used again.
+void growClusters(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
+                  const PatchComparison& comparison, GrowthMemory& memory, PatchClusters& out);
 
 }  // namespace ppc

@@ -40,6 +40,17 @@ Vector loadLanes(const Number* data, int count) {
 }
 
 inline float sumLanes(Lanes v) { return (v[0] + v[2]) + (v[1] + v[3]); }
+/// Two numbers of double precision.
+constexpr int kPair = 2;
+using Pair = double __attribute__((vector_size(16)));
+
+/// sumLanes() of two vectors at a time.
+inline Pair sumLanes(Lanes a, Lanes b) {
+  const Lanes halves = __builtin_shufflevector(a, b, 0, 1, 4, 5) + __builtin_shufflevector(a, b, 2, 3, 6, 7);
+  const Lanes sums = halves + __builtin_shufflevector(halves, halves, 1, 0, 3, 2);
+  return Pair{sums[0], sums[2]};
+}
+
 inline int countLanes(LaneMask m) { return -((m[0] + m[2]) + (m[1] + m[3])); }
 inline bool anyLane(LaneMask m) {
   std::int64_t halves[2];

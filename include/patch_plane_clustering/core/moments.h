@@ -76,26 +76,42 @@ struct PlaneFit {
   Eigen::Vector3d normal() const { return -a.normalized(); }  ///< towards the sensor
 };
 
+/// @brief Solution of the normal equations of a plane fit. @tparam T double, or a vector of them for several fits at a time.
+template <typename T>
+struct PlaneSolution {
+  T ax, ay, az, chi2;
+};
+
 /// @brief Solves the 3 x 3 normal equations by a square-root-free Cholesky factorisation, L D L^T: three divisions, one
 /// waiting for the other, are all that holds it up. Directions that the points do not determine (a line, one point) get the
 /// smallest solution, through a ridge far below the noise of any real patch.
+/// @param m with the members xx to zz, x, y, z and w of Moments, of type T.
+template <typename T, typename Sums>
+PlaneSolution<T> solvePlane(const Sums& m) {
+  const T ridge = 1e-10 * (m.xx + m.yy + m.zz) + 1e-300;
+  const T inverse0 = 1.0 / (m.xx + ridge);
+  const T l10 = m.xy * inverse0, l20 = m.xz * inverse0;
+  const T pivot1 = m.yy + ridge - l10 * m.xy;
+  const T inverse1 = 1.0 / (pivot1 < ridge ? ridge : pivot1);
+  const T rest21 = m.yz - l20 * m.xy;
+  const T l21 = rest21 * inverse1;
+  const T pivot2 = m.zz + ridge - l20 * m.xz - l21 * rest21;
+  const T inverse2 = 1.0 / (pivot2 < ridge ? ridge : pivot2);
+  const T y1 = m.y - l10 * m.x;  // L y = right-hand side; its first entry is m.x
+  const T y2 = m.z - l20 * m.x - l21 * y1;
+  const T z0 = m.x * inverse0, z1 = y1 * inverse1, z2 = y2 * inverse2;
+  PlaneSolution<T> out;
+  out.az = z2;
+  out.ay = z1 - l21 * z2;
+  out.ax = z0 - l10 * out.ay - l20 * z2;
+  const T chi2 = m.w - m.x * z0 - y1 * z1 - y2 * z2;
+  out.chi2 = chi2 < T{} ? T{} : chi2;
+  return out;
+}
+
 inline PlaneFit fitPlane(const Moments& m) {
-  const double ridge = 1e-10 * (m.xx + m.yy + m.zz) + 1e-300;
-  const double inverse0 = 1.0 / (m.xx + ridge);
-  const double l10 = m.xy * inverse0, l20 = m.xz * inverse0;
-  const double inverse1 = 1.0 / std::max(m.yy + ridge - l10 * m.xy, ridge);
-  const double rest21 = m.yz - l20 * m.xy;
-  const double l21 = rest21 * inverse1;
-  const double inverse2 = 1.0 / std::max(m.zz + ridge - l20 * m.xz - l21 * rest21, ridge);
-  const double y1 = m.y - l10 * m.x;  // L y = right-hand side; its first entry is m.x
-  const double y2 = m.z - l20 * m.x - l21 * y1;
-  const double z0 = m.x * inverse0, z1 = y1 * inverse1, z2 = y2 * inverse2;
-  PlaneFit fit;
-  fit.a.z() = z2;
-  fit.a.y() = z1 - l21 * z2;
-  fit.a.x() = z0 - l10 * fit.a.y() - l20 * z2;
-  fit.chi2 = std::max(0.0, m.w - m.x * z0 - y1 * z1 - y2 * z2);
-  return fit;
+  const PlaneSolution<double> solution = solvePlane<double>(m);
+  return {Eigen::Vector3d(solution.ax, solution.ay, solution.az), solution.chi2};
 }
 
 /// @brief Chi-square of the points of `m` against a given plane.

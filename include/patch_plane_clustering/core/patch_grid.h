@@ -55,4 +55,8 @@ struct PatchGrid {
 PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, const LabelImage* done = nullptr,
                         int threads = 1);
 
+/// @brief The same into patches that are there, whose memory is used again.
+void makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, const LabelImage* done, int threads,
+                   PatchGrid& out);
+
 }  // namespace ppc

@@ -9,7 +9,7 @@
 namespace ppc {
 
 /// @brief Labels of the pixels of clustered patches: cluster index + 1, 0 elsewhere.
-LabelImage patchLabels(const BeamGrid& grid, const PatchGrid& patches, const PatchClusters& clusters);
+void patchLabels(const BeamGrid& grid, const PatchGrid& patches, const PatchClusters& clusters, LabelImage& out);
 
 /// @brief Resolves labels point by point, as sharp as the image: cells inside a region keep its label, in all others the
 /// planes seen in and near the cell compete for each point.
@@ -18,11 +18,11 @@ LabelImage patchLabels(const BeamGrid& grid, const PatchGrid& patches, const Pat
 /// (the likelihoods of single points overlap at high noise), outliers capped. Points that no plane explains get 0.
 /// @param cells blocks of pixels, with the shares of the labels in each (shareCells). @param planes see labelPlanes().
 /// @param first_open pixels with a label below this one keep it; 1 resolves all.
-/// @param changed if given, set to whether the labels of each cell may have changed.
-LabelImage refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares, const LabelImage& labels,
-                        const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
-                        const CoplanarityTolerance& tolerance, std::int32_t first_open = 1,
-                        std::vector<char>* changed = nullptr, int threads = 1);
+/// @param labels the labels of which `shares` tells; resolved in place.
+/// @param changed set to whether the labels of each cell may have changed.
+void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
+                  const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
+                  std::int32_t first_open, LabelImage& labels, std::vector<char>& changed, int threads = 1);
 
 /// @brief Splits labels into pieces that are connected in the image. Gaps of up to `gap_cols` columns or `gap_rows` rows are
 /// bridged.

@@ -27,8 +27,9 @@ CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseM
 
 /// @brief The same, where the shares before some change of labels are known. @param changed for every cell: whether its
 /// labels may have changed since.
-CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels,
-                      const CellShares& before, const std::vector<char>& changed, int threads = 1);
+/// @param shares those before; brought up to date. @param memory overwritten.
+void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels,
+                  const std::vector<char>& changed, CellShares& shares, CellShares& memory, int threads = 1);
 
 /// @brief Planes of the labels: a (see moments.h); index = label.
 std::vector<Eigen::Vector3d> labelPlanes(const CellShares& cells);

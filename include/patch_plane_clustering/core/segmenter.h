@@ -2,15 +2,30 @@
 #pragma once
 
 #include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/clustering.h"
 #include "patch_plane_clustering/core/config.h"
+#include "patch_plane_clustering/core/patch_grid.h"
+#include "patch_plane_clustering/core/region_merging.h"
 #include "patch_plane_clustering/core/segmentation.h"
 
 namespace ppc {
+
+/// @brief Working memory of clusterPatches(). Given to one image after the other, it spares them asking the system for
+/// megabytes each; it carries nothing else from one to the next.
+struct ClusteringMemory {
+  PatchGrid patches, small_patches;
+  PatchClusters clusters;
+  GrowthMemory growth;
+  CellShares shares, shares_before;
+  std::vector<char> changed;
+};
 
 /// @brief Patch-based Plane Clustering: labels of the planar regions of a grid of beams (PPC's own stages, up to the label
 /// image). Deterministic: same grid and config, same labels.
 /// @param stages if given, the time of each stage is appended.
 LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vector<StageTime>* stages = nullptr);
+LabelImage clusterPatches(const BeamGrid& grid, const Config& config, ClusteringMemory& memory,
+                          std::vector<StageTime>* stages);
 
 /// @brief The whole pipeline: labels, region statistics, polygons.
 Segmentation segment(const BeamGrid& grid, const Config& config);
