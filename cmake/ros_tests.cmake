@@ -22,3 +22,11 @@ foreach(source IN LISTS ros_test_sources)
     link_ros_test(ros_${name} GTest::gtest_main)
   endif()
 endforeach()
+
+# test/ros/test_X.py is a rostest written in Python; X.test starts it.
+file(GLOB ros_test_scripts CONFIGURE_DEPENDS test/ros/test_*.py)
+foreach(script IN LISTS ros_test_scripts)
+  get_filename_component(name ${script} NAME_WE)
+  string(REGEX REPLACE "^test_" "" name ${name})
+  add_rostest(test/ros/${name}.test DEPENDENCIES ppc ${PROJECT_NAME}_nodelets)
+endforeach()

@@ -90,7 +90,7 @@ void SweepAssembler::resetClock() {
   drop(DropCause::kClockReset, queue_.size() + open_.size());
   queue_.clear();
   open_.clear();
-  splitter_.restart();
+  restart();
   standing_ = -1;
   last_placed_ = kLongAgo;
   poses_.resetClock(suspects_.back().stamp);
@@ -169,13 +169,12 @@ void SweepAssembler::dropWaiting() {
 void SweepAssembler::recheckAfterJump() {
   jumps_ = poses_.jumps();
   PlacedLine placed;
-  while (!open_.empty()) {
-    const PoseStatus status = place(open_.back().line, placed);
-    if (status != PoseStatus::kTiltGap) break;
+  while (!open_.empty() && place(open_.back().line, placed) == PoseStatus::kTiltGap) {
     open_.pop_back();
     drop(DropCause::kTiltGap);
+    cut_ = true;
   }
-  close(SweepEnd::kTiltJump);
+  // Other lines from before the jump may still wait: add() ends the sweep at the first one after it.
 }
 
 PoseStatus SweepAssembler::place(const ScanLine& line, PlacedLine& placed) const {
@@ -221,10 +220,15 @@ void SweepAssembler::add(PlacedLine placed) {
     if (!sameLayout(open_.back().line, placed.line)) {
       ++accounts_.layout_changes;
       close(SweepEnd::kLayoutChange);
+    } else if (cut_) {
+      close(SweepEnd::kTiltJump);
     } else if (placed.line.stamp - open_.back().line.stamp > options_.max_line_gap) {
       close(SweepEnd::kLineGap);
+    } else if (poses_.jumpedBetween(open_.back().line.stamp, placed.line.stamp)) {
+      close(SweepEnd::kTiltJump);
     }
   }
+  if (open_.empty()) restart();
   if (followStanding(placed.tilt)) return drop(DropCause::kTiltStanding);
   const double tilt = placed.tilt;
   open_.push_back(std::move(placed));
@@ -233,8 +237,13 @@ void SweepAssembler::add(PlacedLine placed) {
   if (open_.size() >= static_cast<std::size_t>(options_.max_lines)) close(SweepEnd::kMaxLines);
 }
 
-int SweepAssembler::close(SweepEnd reason) {
+void SweepAssembler::restart() {
   splitter_.restart();
+  cut_ = false;
+}
+
+int SweepAssembler::close(SweepEnd reason) {
+  restart();
   return emit(open_.size(), reason);
 }
 
@@ -282,6 +291,9 @@ int SweepAssembler::emit(std::size_t lines, SweepEnd reason) {
   accounts_.pending -= rows.size();
   accounts_.lines_in_images += rows.size();
   ++accounts_.sweeps;
+  sweep.accounts = accounts_;
+  sweep.accounts.lines_in -= queue_.size() + suspects_.size();
+  sweep.accounts.pending -= queue_.size() + suspects_.size();
   handler_(std::move(sweep));
   return static_cast<int>(rows.size());
 }

@@ -29,7 +29,8 @@ bool TiltTrack::follows(const Sample& previous, const Sample& next) const {
 
 void TiltTrack::append(const Sample& sample, bool after_jump) {
   double angle = sample.angle;
-  if (!samples_.empty()) angle = samples_.back().angle + std::remainder(angle - samples_.back().angle, kTurn);
+  // Whole turns are added to the sample's own angle: the last bit of an angle must not depend on the samples before it.
+  if (!samples_.empty()) angle += kTurn * std::round((samples_.back().angle - angle) / kTurn);
   samples_.push_back({sample.stamp, angle, after_jump, false});
   while (samples_.size() > std::max<std::size_t>(2, options_.capacity)) samples_.pop_front();
   ++counts_.accepted;
@@ -141,6 +142,15 @@ bool TiltTrack::bends(std::size_t after) const {
   if (gap <= 1.5 * usual) return false;
   const double change = (c.angle - b.angle) / gap - (b.angle - a.angle) / usual;
   return 0.25 * std::abs(change) * gap > options_.max_bend;  // of a parabola through both ends with the speed of the first
+}
+
+bool TiltTrack::jumpedBetween(double from, double to) const {
+  auto sample =
+      std::upper_bound(samples_.begin(), samples_.end(), from, [](double t, const Sample& s) { return t < s.stamp; });
+  for (; sample != samples_.end() && sample->stamp <= to; ++sample) {
+    if (sample->after_jump && sample != samples_.begin()) return true;
+  }
+  return false;
 }
 
 TiltTrack::Status TiltTrack::lookup(double stamp, double& angle) const {

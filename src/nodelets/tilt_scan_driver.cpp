@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/ros/driver_diagnostics.h"
 #include "patch_plane_clustering/ros/driver_options.h"
+#include "patch_plane_clustering/ros/joint_sample.h"
 #include "patch_plane_clustering/ros/laser_poses.h"
 #include "patch_plane_clustering/ros/range_image_conversions.h"
 #include "patch_plane_clustering/ros/sequence_watch.h"
@@ -10,7 +11,6 @@
 #include <sensor_msgs/JointState.h>
 #include <std_srvs/Trigger.h>
 #include <tf2_ros/transform_listener.h>
-#include <algorithm>
 #include <boost/algorithm/string/join.hpp>
 #include <limits>
 #include <memory>
@@ -78,14 +78,9 @@ class TiltScanDriver : public nodelet::Nodelet {
     ++health_.scans;
     sequence_.see(event.getPublisherName(), scan->header.seq);
     last_scan_ = ros::WallTime::now();
-    const std::string& id = scan->header.frame_id;
-    const std::string frame = !id.empty() && id[0] == '/' ? id.substr(1) : id;
-    std::string fault = frame.empty() ? "frame_id is empty" : faultOf(*scan);
-    if (fault.empty() && poses_->laserFrame().empty()) poses_->setLaserFrame(frame);
-    if (fault.empty() && frame != poses_->laserFrame()) {
-      fault = "frame_id '" + frame + "' is not '" + poses_->laserFrame() + "'";
-    }
+    std::string fault = faultOf(*scan, poses_->laserFrame());
     if (fault.empty()) {
+      if (poses_->laserFrame().empty()) poses_->setLaserFrame(frameName(scan->header.frame_id));
       if (first_scan_.isZero()) first_scan_ = last_scan_;
       const std::uint64_t layout_changes = assembler_->accounts().layout_changes;
       fault = assembler_->push(toScanLine(*scan, options_.time_offset));
@@ -101,22 +96,20 @@ class TiltScanDriver : public nodelet::Nodelet {
   }
 
   void onJoint(const sensor_msgs::JointStateConstPtr& message) {
-    const auto found = std::find(message->name.begin(), message->name.end(), options_.joint_name);
-    if (found == message->name.end()) {  // another joint's
+    const JointSample sample = readJointSample(*message, options_.joint_name);
+    if (!sample.present) {  // another joint's
       health_.other_joints = boost::algorithm::join(message->name, ", ").substr(0, 200);
       return;
     }
     ++health_.joint_samples;
     last_joint_ = ros::WallTime::now();
-    const auto index = static_cast<std::size_t>(found - message->name.begin());
-    if (message->position.size() != message->name.size() || message->header.stamp.isZero()) {
+    if (!sample.fault.empty()) {
       ++health_.bad_joint_messages;
-      health_.last_fault =
-          message->header.stamp.isZero() ? "joint sample without stamp" : "as many joint positions as names expected";
+      health_.last_fault = sample.fault;
       NODELET_WARN_STREAM_THROTTLE(5.0, "Joint message skipped: " << health_.last_fault);
       return;
     }
-    poses_->joint()->track().add(message->header.stamp.toSec(), message->position[index]);
+    poses_->joint()->track().add(sample.stamp, sample.angle);
     placeLines();
   }
 
@@ -157,9 +150,7 @@ class TiltScanDriver : public nodelet::Nodelet {
     header.frame_id = options_.base_frame;
     NODELET_DEBUG("Sweep of %d lines, ended by %s", sweep.image.rows, sweepEndName(sweep.end));
     if (image_pub_.getNumSubscribers() > 0) {
-      auto message = boost::make_shared<RangeImageMsg>(toMessage(sweep.image, header));
-      message->lines = toMessage(assembler_->accounts());
-      image_pub_.publish(message);
+      image_pub_.publish(boost::make_shared<RangeImageMsg>(toMessage(sweep, header)));
     }
     if (points_pub_.getNumSubscribers() > 0) {
       points_pub_.publish(boost::make_shared<sensor_msgs::PointCloud2>(toPointCloud(sweep.image, header)));

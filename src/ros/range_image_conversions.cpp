@@ -76,6 +76,12 @@ RangeImageMsg toMessage(const RangeImage& image, const std_msgs::Header& header)
   return message;
 }
 
+RangeImageMsg toMessage(const Sweep& sweep, const std_msgs::Header& header) {
+  RangeImageMsg message = toMessage(sweep.image, header);
+  message.lines = toMessage(sweep.accounts);
+  return message;
+}
+
 LineAccountsMsg toMessage(const LineAccounts& accounts) {
   LineAccountsMsg message;
   message.lines_in = accounts.lines_in;
@@ -177,6 +183,17 @@ std::string faultOf(const sensor_msgs::LaserScan& scan) {
   if (std::abs(steps - expected) <= 1.5 + 1e-3 * expected) return {};
   return "angle_min, angle_max and angle_increment make " + std::to_string(steps + 1.0) + " beams, but there are " +
          std::to_string(scan.ranges.size());
+}
+
+std::string frameName(const std::string& frame_id) {
+  return !frame_id.empty() && frame_id[0] == '/' ? frame_id.substr(1) : frame_id;
+}
+
+std::string faultOf(const sensor_msgs::LaserScan& scan, const std::string& laser_frame) {
+  const std::string frame = frameName(scan.header.frame_id);
+  if (frame.empty()) return "frame_id is empty";
+  if (!laser_frame.empty() && frame != laser_frame) return "frame_id '" + frame + "' is not '" + laser_frame + "'";
+  return faultOf(scan);
 }
 
 }  // namespace ppc

@@ -320,6 +320,61 @@ TEST(SweepAssembler, samplesLateByHalfASecondLoseNoLine) {
   rig.expectAccountsClose();
 }
 
+/// Lines and samples of 9 s, the samples `joint_delay` and the lines `line_delay` late, in bursts of `burst` ticks of 5 ms.
+std::vector<Sweep> sweepsOf(const std::function<double(double)>& angle, int joint_delay, int line_delay, int burst) {
+  Rig rig;
+  rig.angle = angle;
+  const auto arrived = [burst](int now, int delay, int stamp) { return (now - delay) / burst * burst >= stamp; };
+  int next_sample = 0, next_line = 0;
+  for (int now = 0; now < 1800 + joint_delay + line_delay + burst; ++now) {
+    for (; next_line < 1800 && arrived(now, line_delay, next_line); next_line += 5) {
+      EXPECT_EQ(rig.assembler.push(rig.line(kStart + next_line / 200.0)), "");
+    }
+    for (; next_sample < 1800 && arrived(now, joint_delay, next_sample); next_sample += 2) {
+      rig.sample(kStart + next_sample / 200.0);
+    }
+  }
+  rig.assembler.close(SweepEnd::kIdle);
+  rig.expectAccountsClose();
+  return std::move(rig.sweeps);
+}
+
+TEST(SweepAssembler, sweepsDependOnStampsAloneAndNotOnTheOrderOfArrival) {
+  const auto nod = Rig().angle;
+  const std::vector<std::function<double(double)>> motions = {
+      nod,
+      [&](double t) { return nod(std::abs(t - kStart - 3.0) < 0.3 ? kStart + 2.7 : t); },  // frozen for 0.6 s
+      [&](double t) { return nod(t) + (t > kStart + 4.7 ? 0.8 : 0.0); },                   // the encoder jumps
+      [&](double t) { return std::remainder(nod(t) + M_PI, 2.0 * M_PI); },
+  };
+  const int orders[][3] = {{0, 40, 1}, {60, 0, 1}, {0, 0, 20}, {50, 10, 7}};
+  for (std::size_t m = 0; m < motions.size(); ++m) {
+    const std::vector<Sweep> expected = sweepsOf(motions[m], 0, 0, 1);
+    ASSERT_GE(expected.size(), 5U);
+    for (const auto& [joint_delay, line_delay, burst] : orders) {
+      SCOPED_TRACE("motion " + std::to_string(m) + ", delays " + std::to_string(joint_delay) + " and " +
+                   std::to_string(line_delay) + ", burst " + std::to_string(burst));
+      const std::vector<Sweep> sweeps = sweepsOf(motions[m], joint_delay, line_delay, burst);
+      ASSERT_EQ(sweeps.size(), expected.size());
+      for (std::size_t i = 0; i < sweeps.size(); ++i) {
+        EXPECT_EQ(sweeps[i].end, expected[i].end);
+        EXPECT_EQ(sweeps[i].stamp, expected[i].stamp);
+        EXPECT_EQ(sweeps[i].image.tilts, expected[i].image.tilts);
+        EXPECT_EQ(sweeps[i].image.row_stamps, expected[i].image.row_stamps);
+        ASSERT_EQ(sweeps[i].image.line_poses.size(), expected[i].image.line_poses.size());
+        for (std::size_t k = 0; k < sweeps[i].image.line_poses.size(); ++k) {
+          ASSERT_EQ(sweeps[i].image.line_poses[k].matrix(), expected[i].image.line_poses[k].matrix());
+        }
+        EXPECT_EQ(sweeps[i].accounts.lines_in, expected[i].accounts.lines_in);
+        EXPECT_EQ(sweeps[i].accounts.pending, expected[i].accounts.pending);
+        EXPECT_EQ(sweeps[i].accounts.dropped, expected[i].accounts.dropped);
+        EXPECT_EQ(sweeps[i].accounts.lines_in,
+                  sweeps[i].accounts.lines_in_images + sweeps[i].accounts.pending + sweeps[i].accounts.allDrops());
+      }
+    }
+  }
+}
+
 TEST(SweepAssembler, aJointThatFallsSilentIsGivenUpAfterAWhile) {
   Rig rig;
   rig.run(0.0, 1.0);

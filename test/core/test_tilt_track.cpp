@@ -66,6 +66,27 @@ TEST(TiltTrack, countsTurnsOfASpinningJoint) {
   EXPECT_NEAR(track.newestAngle(), 20.0, 1e-9);
 }
 
+TEST(TiltTrack, anAngleIsTheSampleItselfWhateverCameBefore) {
+  TiltTrack track;
+  for (int i = 0; i < 1000; ++i) track.add(1.0 + 0.01 * i, 0.7 * std::sin(0.1 * i));
+  double angle = 0.0;
+  for (int i = 0; i < 1000; ++i) {
+    ASSERT_EQ(track.lookup(1.0 + 0.01 * i, angle), Status::kReady);
+    ASSERT_EQ(angle, 0.7 * std::sin(0.1 * i));  // to the bit
+  }
+}
+
+TEST(TiltTrack, knowsWhenTheAngleJumped) {
+  TiltTrack track;
+  for (int i = 0; i < 10; ++i) track.add(1.0 + 0.01 * i, 0.01 * i);
+  EXPECT_FALSE(track.jumpedBetween(0.0, 2.0));
+  for (int i = 10; i < 20; ++i) track.add(1.0 + 0.01 * i, 1.0 + 0.01 * i);
+  EXPECT_TRUE(track.jumpedBetween(1.085, 1.105));
+  EXPECT_TRUE(track.jumpedBetween(0.0, 2.0));
+  EXPECT_FALSE(track.jumpedBetween(1.0, 1.095));
+  EXPECT_FALSE(track.jumpedBetween(1.105, 2.0));
+}
+
 TEST(TiltTrack, rejectsBadSamplesByCause) {
   TiltTrack track;
   const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -34,6 +34,10 @@ class PoseSource {
   /// @brief How often the tilt was seen to jump: poses given for the time before may no longer stand, ask again.
   virtual std::uint64_t jumps() const { return 0; }
 
+  /// @brief True if the tilt jumped after `from` and not after `to` [s]: rows of these two times share no sweep. By stamps
+  /// alone, so that it does not matter whether the tilt samples came before the lines or after them.
+  virtual bool jumpedBetween(double /*from*/, double /*to*/) const { return false; }
+
   /// @brief How often the clock of the tilt samples jumped back: times that wait for a pose are of another run.
   virtual std::uint64_t clockResets() const { return 0; }
 

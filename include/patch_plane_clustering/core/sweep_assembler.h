@@ -35,7 +35,8 @@ const char* sweepEndName(SweepEnd end);
 /// @brief A completed sweep; its image is in the base frame, at `stamp` if the base moves.
 struct Sweep {
   RangeImage image;
-  double stamp = 0.0;  ///< newest beam [s]
+  double stamp = 0.0;     ///< newest beam [s]
+  LineAccounts accounts;  ///< up to the line that ended this sweep: those that still wait for their pose do not count as in
   SweepEnd end = SweepEnd::kTurn;
 };
 
@@ -44,7 +45,8 @@ struct Sweep {
 /// A line waits in a queue, ordered by stamp, until its poses are known from its first beam to its last. Placed lines form
 /// the open sweep until the tilt turns (see SweepSplitter). All buffers are bounded and every line is accounted for. A clock
 /// that jumps back (three lines in a row, more than a second before the last placed one) drops the open sweep. A jump of the
-/// tilt ends the sweep, less the lines whose tilt has turned out to be unknown. Deterministic; not thread-safe.
+/// tilt ends the sweep, less the lines whose tilt has turned out to be unknown. Sweeps depend on the stamps of lines and
+/// tilt samples, not on which of the two arrive first, as long as no line is given up. Deterministic; not thread-safe.
 class SweepAssembler {
  public:
   using Handler = std::function<void(Sweep&&)>;
@@ -93,6 +95,7 @@ class SweepAssembler {
   void dropWaiting();
   void add(PlacedLine placed);
   bool followStanding(double tilt);
+  void restart();
   int emit(std::size_t lines, SweepEnd reason);
   void drop(DropCause cause, std::size_t lines = 1);
 
@@ -104,6 +107,7 @@ class SweepAssembler {
   std::deque<WaitingLine> queue_;   // in ascending stamp
   std::vector<ScanLine> suspects_;  // lines from before last_placed_ that may mean a clock reset
   std::vector<PlacedLine> open_;
+  bool cut_ = false;    // the newest lines of the open sweep were taken back: no other may join it
   double last_placed_;  // stamp of the last line that joined a sweep [s]
   PoseStatus waits_for_ = PoseStatus::kReady;
   std::uint64_t jumps_ = 0;         // of the tilt, seen so far

@@ -31,6 +31,7 @@ class TiltPoseSource : public PoseSource {
   /// Waits while the mount is not set.
   PoseStatus at(double stamp, LaserPose& pose) override;
   std::uint64_t jumps() const override { return track_.counts().jumps; }
+  bool jumpedBetween(double from, double to) const override { return track_.jumpedBetween(from, to); }
   std::uint64_t clockResets() const override { return track_.counts().clock_resets; }
   void resetClock(double stamp) override { track_.resetClock(stamp); }
 

@@ -49,6 +49,9 @@ class TiltTrack {
   /// @brief Angle at `stamp` by linear interpolation, never extrapolation; `angle` [rad, unwrapped] is set only for kReady.
   Status lookup(double stamp, double& angle) const;
 
+  /// @brief True if lookup() does not interpolate because of a jump at some time in (from, to] [s].
+  bool jumpedBetween(double from, double to) const;
+
   /// @brief Forgets everything if it is later than `stamp` by a second: the clock has jumped back to there. [s]
   void resetClock(double stamp);
 

@@ -35,6 +35,7 @@ class LaserPoses : public PoseSource {
     return source_ ? source_->at(stamp, pose) : PoseStatus::kWaitTransform;
   }
   std::uint64_t jumps() const override { return source_ ? source_->jumps() : 0; }
+  bool jumpedBetween(double from, double to) const override { return source_ && source_->jumpedBetween(from, to); }
   std::uint64_t clockResets() const override { return source_ ? source_->clockResets() : 0; }
   void resetClock(double stamp) override;
 

@@ -4,6 +4,7 @@
 #include "patch_plane_clustering/core/line_accounts.h"
 #include "patch_plane_clustering/core/range_image.h"
 #include "patch_plane_clustering/core/scan_line.h"
+#include "patch_plane_clustering/core/sweep_assembler.h"
 #include "patch_plane_clustering/ros/messages.h"
 
 #include <sensor_msgs/Image.h>
@@ -18,6 +19,9 @@ ros::Time toTime(double stamp);
 
 /// @brief The image as a message. @param header as it shall be; its frame is that of the line poses.
 RangeImageMsg toMessage(const RangeImage& image, const std_msgs::Header& header);
+
+/// @brief The image of a sweep as a message, with the accounts of its lines. @param header as it shall be
+RangeImageMsg toMessage(const Sweep& sweep, const std_msgs::Header& header);
 
 /// @brief The accounts as a message; only causes that have occurred.
 LineAccountsMsg toMessage(const LineAccounts& accounts);
@@ -42,5 +46,11 @@ ScanLine toScanLine(const sensor_msgs::LaserScan& scan, double time_offset = 0.0
 
 /// @brief What contradicts itself in a scan beyond faultOf(): angle_max, which a line does not carry. Empty if nothing does.
 std::string faultOf(const sensor_msgs::LaserScan& scan);
+
+/// @brief The frame without the leading slash that old drivers give it.
+std::string frameName(const std::string& frame_id);
+
+/// @brief The same, and what is wrong with its frame. @param laser_frame the frame that it should have; empty: any
+std::string faultOf(const sensor_msgs::LaserScan& scan, const std::string& laser_frame);
 
 }  // namespace ppc

@@ -30,6 +30,7 @@ class MovingBaseSource : public PoseSource {
   MovingBaseSource(PoseSource& laser, TransformTrack fixed_from_base);
   PoseStatus at(double stamp, LaserPose& pose) override;
   std::uint64_t jumps() const override { return laser_.jumps(); }
+  bool jumpedBetween(double from, double to) const override { return laser_.jumpedBetween(from, to); }
   std::uint64_t clockResets() const override { return laser_.clockResets(); }
   void resetClock(double stamp) override {
     laser_.resetClock(stamp);

@@ -57,7 +57,7 @@ class Writer {
     header.frame_id = bag.frame_id;
     const auto start = std::chrono::steady_clock::now();
     // As the nodelet gets it: poses are rounded on their way through a message, and results shall be the same to the bit.
-    const RangeImageMsg image = toMessage(bag.sweep.image, header);
+    const RangeImageMsg image = toMessage(bag.sweep, header);
     const BeamGrid grid = toBeamGrid(fromMessage(image));
     const Segmentation result = segmentWith(*method_, grid, config_);
     SegmentationStatistics statistics = toStatistics(result, header);
@@ -65,6 +65,7 @@ class Writer {
     statistics.total_milliseconds =
         static_cast<float>(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
     statistics.images_received = static_cast<std::uint32_t>(index_ + 1);
+    statistics.lines = image.lines;
 
     write("range_image", bag.written, image);
     write("polygons", bag.written, toPolygonArray(result, header));

@@ -5,15 +5,14 @@
 #include "bag_tilt.h"
 #include "files.h"
 #include "patch_plane_clustering/core/tilt_pose_source.h"
+#include "patch_plane_clustering/ros/joint_sample.h"
 #include "patch_plane_clustering/ros/range_image_conversions.h"
 
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
-#include <sensor_msgs/JointState.h>
 #include <unistd.h>
 #include <CLI/CLI.hpp>
 
-#include <algorithm>
 #include <cstdio>
 #include <stdexcept>
 
@@ -22,12 +21,6 @@ namespace {
 
 SweepMotion motionNamed(const std::string& name) {
   return name == "nodding" ? SweepMotion::kNodding : name == "half_turn" ? SweepMotion::kHalfTurn : SweepMotion::kFullTurn;
-}
-
-void addJointSample(const sensor_msgs::JointState& joints, const std::string& joint, TiltTrack& track) {
-  const auto at = std::find(joints.name.begin(), joints.name.end(), joint);
-  const auto index = static_cast<std::size_t>(at - joints.name.begin());
-  if (index < joints.position.size()) track.add(joints.header.stamp.toSec(), joints.position[index]);
 }
 
 LineAccounts assemble(const rosbag::Bag& bag, const BagTilt& tilt, const BagOptions& options,
@@ -49,7 +42,8 @@ LineAccounts assemble(const rosbag::Bag& bag, const BagTilt& tilt, const BagOpti
     if (on_message) on_message(message);
     if (message.getTopic() == tilt.joint_states) {
       if (const auto joints = messageOf<sensor_msgs::JointState>(message)) {
-        addJointSample(*joints, tilt.joint, poses.track());
+        const JointSample sample = readJointSample(*joints, tilt.joint);
+        if (sample.present && sample.fault.empty()) poses.track().add(sample.stamp, sample.angle);
         assembler.process();
       }
     } else if (message.getTopic() == tilt.scan) {
@@ -60,7 +54,7 @@ LineAccounts assemble(const rosbag::Bag& bag, const BagTilt& tilt, const BagOpti
           bracketed = next_tilt->first > line.lastStamp();
           poses.track().add(next_tilt->first, next_tilt->second);
         }
-        const std::string fault = faultOf(*scan);
+        const std::string fault = faultOf(*scan, tilt.laser_frame);
         if (!fault.empty()) assembler.countDropped(DropCause::kBadScan);
         if (fault.empty()) assembler.push(std::move(line));
       }

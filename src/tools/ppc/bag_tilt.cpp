@@ -3,6 +3,8 @@
 
 #include "bag_message.h"
 #include "patch_plane_clustering/core/tilt_pose_source.h"
+#include "patch_plane_clustering/ros/joint_sample.h"
+#include "patch_plane_clustering/ros/range_image_conversions.h"
 
 #include <rosbag/view.h>
 #include <sensor_msgs/JointState.h>
@@ -33,8 +35,6 @@ struct Link {
     });
   }
 };
-
-std::string frameName(const std::string& id) { return !id.empty() && id[0] == '/' ? id.substr(1) : id; }
 
 std::string listed(const std::set<std::string>& names) {
   std::string list;
@@ -119,9 +119,8 @@ TiltTrack jointTrack(const rosbag::Bag& bag, const std::string& topic, const std
   for (const rosbag::MessageInstance& message : rosbag::View(bag, rosbag::TopicQuery(topic))) {
     const auto joints = messageOf<sensor_msgs::JointState>(message);
     if (!joints) continue;
-    const auto at = std::find(joints->name.begin(), joints->name.end(), joint);
-    const auto index = static_cast<std::size_t>(at - joints->name.begin());
-    if (index < joints->position.size()) track.add(joints->header.stamp.toSec(), joints->position[index]);
+    const JointSample sample = readJointSample(*joints, joint);
+    if (sample.present && sample.fault.empty()) track.add(sample.stamp, sample.angle);
   }
   return track;
 }
@@ -172,7 +171,7 @@ BagTilt findTilt(const rosbag::Bag& bag, const BagOptions& options) {
   if (tilt.scan.empty()) throw std::runtime_error("has no sensor_msgs/LaserScan topic");
   for (const rosbag::MessageInstance& message : rosbag::View(bag, rosbag::TopicQuery(tilt.scan))) {
     const auto scan = messageOf<sensor_msgs::LaserScan>(message);
-    if (!scan) continue;
+    if (!scan || !faultOf(*scan, "").empty()) continue;
     tilt.laser_frame = frameName(scan->header.frame_id);
     break;
   }
