@@ -105,7 +105,13 @@ OutlinePoint CornerProjection::project(const PixelCorner& corner) {
     out.row_step -= region_.plane.normal.dot(c.row_change) * along;
     out.col_step -= region_.plane.normal.dot(c.col_change) * along;
   }
+  limited_ += c.clamped ? 1 : 0;
   return out;
+}
+
+Eigen::Vector2d CornerProjection::flatten(int row, int col) const {
+  const Eigen::Vector3d p = grid_.point(grid_.index(row, col)).cast<double>() - centre_;
+  return {axis_x_.dot(p), axis_y_.dot(p)};
 }
 
 int CornerProjection::handedness(int row, int col) const {

@@ -70,6 +70,7 @@ PolygonPiece assemble(std::vector<std::vector<Eigen::Vector2d>> rings) {
 }  // namespace
 
 std::optional<PolygonPiece> makePiece(const Outlines& outlines, const OutlineTolerance& tolerance) {
+  if (outlines.empty() || outlines.front().size() < 3) return std::nullopt;
   std::vector<double> areas;  // signed
   for (const auto& outline : outlines) areas.push_back(signedArea(outline.data(), outline.size()));
   double area = std::abs(areas.front());

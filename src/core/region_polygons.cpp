@@ -4,10 +4,16 @@
 #include "patch_plane_clustering/core/contours.h"
 #include "patch_plane_clustering/core/corner_projection.h"
 #include "patch_plane_clustering/core/polygon_piece.h"
-#include "patch_plane_clustering/core/ring_crossings.h"
+#include "patch_plane_clustering/core/ring_loops.h"
+#include "patch_plane_clustering/core/ring_simplification.h"
 #include "piece_split.h"
 
 #include <algorithm>
+#include <boost/geometry/algorithms/convex_hull.hpp>
+#include <boost/geometry/geometries/multi_point.hpp>
+#include <boost/geometry/geometries/point_xy.hpp>
+#include <boost/geometry/geometries/ring.hpp>
+#include <boost/geometry/strategies/strategies.hpp>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -18,13 +24,19 @@ namespace {
 // A piece that is still not simple after so many cuts has beams without order and is dropped.
 constexpr int kMaxCuts = 12;
 
+// A piece is seen edge-on if the beams through more than this share of its outline meet the plane nowhere near the points.
+constexpr double kEdgeOn = 1.0 / 3.0;
+
+// A loop of an outline may be cut off if it encloses no more than this share of the outline's area.
+constexpr double kLoopShare = 2e-3;
+
 // Smallest area of a polygon [m^2].
 constexpr double kMinArea = 1e-8;
 
 class RegionOutliner {
  public:
   RegionOutliner(const BeamGrid& grid, const LabelImage& labels, const PlanarRegion& region, const PolygonOptions& options)
-      : projection_(grid, labels, region), options_(options) {
+      : grid_(grid), labels_(labels), id_(region.id), projection_(grid, labels, region), options_(options) {
     tolerance_.metres = std::max(0.0, options.simplification_tolerance);
     if (tolerance_.metres > 0.0) tolerance_.pixels = std::max(0.0, options.pixel_tolerance);
   }
@@ -32,15 +44,23 @@ class RegionOutliner {
   /// Adds the piece bounded by these rings, outer first; in several parts where one will not do.
   void add(const std::vector<PixelCorner>& corners, const std::vector<PixelRing>& rings, int cuts) {
     std::vector<std::vector<OutlinePoint>> outlines;
+    std::size_t limited = 0;
     for (const PixelRing& ring : rings) {
+      const std::size_t before = projection_.limited();
       std::vector<OutlinePoint> outline = project(corners, ring);
+      if (outlines.empty()) limited = projection_.limited() - before;
       if (outline.size() >= 3) {
         outlines.push_back(std::move(outline));
       } else if (!ring.hole) {
         return;
       }
     }
-    if (std::optional<PolygonPiece> piece = makePiece(outlines, tolerance_)) {
+    std::optional<PolygonPiece> piece = makePiece(outlines, tolerance_);
+    if (!piece) piece = makePieceWithoutLoops(outlines);
+    if (!piece && static_cast<double>(limited) > kEdgeOn * static_cast<double>(rings.front().end - rings.front().begin)) {
+      piece = makePiece({hullOf(maskOfPiece(corners, rings))}, tolerance_);
+    }
+    if (piece) {
       keep(std::move(*piece));
     } else if (cuts < kMaxCuts) {
       cut(corners, rings, cuts + 1);
@@ -57,19 +77,42 @@ class RegionOutliner {
   }
 
  private:
-  // Corners on the plane; those that coincide (at the pole all lines meet) count once.
+  // Corners on the plane; those that coincide count once.
   std::vector<OutlinePoint> project(const std::vector<PixelCorner>& corners, const PixelRing& ring) {
     std::vector<OutlinePoint> outline;
     outline.reserve(ring.end - ring.begin);
-    const auto apart = [](const OutlinePoint& a, const OutlinePoint& b) {
-      return (a.point - b.point).squaredNorm() > 4.0 * kRingClearance * kRingClearance;
-    };
-    for (std::size_t i = ring.begin; i < ring.end; ++i) {
-      const OutlinePoint p = projection_.project(corners[i]);
-      if (outline.empty() || apart(outline.back(), p)) outline.push_back(p);
-    }
-    while (outline.size() > 1 && !apart(outline.back(), outline.front())) outline.pop_back();
+    for (std::size_t i = ring.begin; i < ring.end; ++i) outline.push_back(projection_.project(corners[i]));
+    dropRepeats(outline);
     return outline;
+  }
+
+  // Beams along a plane do not tell where on it an outline runs; the points do, about.
+  std::vector<OutlinePoint> hullOf(const PieceMask& mask) const {
+    namespace bg = boost::geometry;
+    using Point = bg::model::d2::point_xy<double>;
+    bg::model::multi_point<Point> points;
+    for (int r = 0; r < mask.labels.rows; ++r) {
+      for (int c = 0; c < mask.labels.cols; ++c) {
+        const int i = grid_.index(mask.row + r, mask.col + c);
+        if (mask.labels.labels[r * mask.labels.cols + c] == 0 || labels_.labels[i] != id_ || !grid_.valid(i)) continue;
+        const Eigen::Vector2d p = projection_.flatten(mask.row + r, mask.col + c);
+        points.emplace_back(p.x(), p.y());
+      }
+    }
+    bg::model::ring<Point, false, false> hull;
+    bg::convex_hull(points, hull);
+    std::vector<OutlinePoint> outline(hull.size());
+    for (std::size_t i = 0; i < hull.size(); ++i) outline[i].point = {hull[i].x(), hull[i].y()};
+    dropRepeats(outline);
+    return outline;
+  }
+
+  std::optional<PolygonPiece> makePieceWithoutLoops(std::vector<std::vector<OutlinePoint>>& outlines) const {
+    const double area = std::abs(signedArea(outlines.front().data(), outlines.front().size()));
+    bool cut = false;
+    for (auto& outline : outlines) cut |= cutLoops(outline, kLoopShare * area);
+    if (!cut) return std::nullopt;
+    return makePiece(outlines, tolerance_);
   }
 
   void cut(const std::vector<PixelCorner>& corners, const std::vector<PixelRing>& rings, int cuts) {
@@ -96,6 +139,9 @@ class RegionOutliner {
     return lifted;
   }
 
+  const BeamGrid& grid_;
+  const LabelImage& labels_;
+  std::int32_t id_;
   CornerProjection projection_;
   const PolygonOptions& options_;
   OutlineTolerance tolerance_;

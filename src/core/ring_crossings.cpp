@@ -31,9 +31,7 @@ bool meets(const Segment& s, const Segment& t) {
   return near(s.a, t) || near(s.b, t) || near(t.a, s) || near(t.b, s);
 }
 
-}  // namespace
-
-std::vector<RingEdge> findCrossings(const std::vector<std::vector<Eigen::Vector2d>>& rings) {
+std::vector<Segment> segmentsOf(const std::vector<std::vector<Eigen::Vector2d>>& rings) {
   std::vector<Segment> segments;
   for (std::size_t r = 0; r < rings.size(); ++r) {
     const auto& ring = rings[r];
@@ -45,12 +43,17 @@ std::vector<RingEdge> findCrossings(const std::vector<std::vector<Eigen::Vector2
       segments.push_back({a, b, min_x, max_x, min_y, max_y, {r, i}, bad});
     }
   }
+  return segments;
+}
+
+// Calls f for every two segments that meet and should not.
+template <typename F>
+void forEachMeeting(const std::vector<std::vector<Eigen::Vector2d>>& rings, std::vector<Segment>& segments, F&& f) {
   std::vector<std::size_t> order(segments.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
     return segments[i].min_x != segments[j].min_x ? segments[i].min_x < segments[j].min_x : i < j;
   });
-
   std::vector<std::size_t> active;
   for (const std::size_t current : order) {
     Segment& s = segments[current];
@@ -72,16 +75,33 @@ std::vector<RingEdge> findCrossings(const std::vector<std::vector<Eigen::Vector2
       } else {
         bad = meets(s, t);
       }
-      if (bad) s.bad = t.bad = true;
+      if (bad) f(s, t);
     }
     active.resize(kept);
     active.push_back(current);
   }
+}
+
+}  // namespace
+
+std::vector<RingEdge> findCrossings(const std::vector<std::vector<Eigen::Vector2d>>& rings) {
+  std::vector<Segment> segments = segmentsOf(rings);
+  forEachMeeting(rings, segments, [](Segment& s, Segment& t) { s.bad = t.bad = true; });
   std::vector<RingEdge> found;
   for (const Segment& s : segments) {
     if (s.bad) found.push_back(s.id);
   }
   return found;
+}
+
+std::vector<EdgePair> findMeetingEdges(const std::vector<Eigen::Vector2d>& ring) {
+  const std::vector<std::vector<Eigen::Vector2d>> rings{ring};
+  std::vector<Segment> segments = segmentsOf(rings);
+  std::vector<EdgePair> pairs;
+  forEachMeeting(rings, segments,
+                 [&](const Segment& s, const Segment& t) { pairs.push_back(std::minmax(s.id.edge, t.id.edge)); });
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
 }
 
 bool isInside(const Eigen::Vector2d& p, const std::vector<Eigen::Vector2d>& ring) {

@@ -221,6 +221,48 @@ TEST(RegionPolygons, RoundThePoleAreasAgreeWithTheRoom) {
   }
 }
 
+// A short sweep of a scanner 8 cm off its axis over a face that it sees at 2 degrees, through the pole, with frayed ends.
+TEST(RegionPolygons, FrayedRegionThroughThePoleIsTwoPieces) {
+  RangeImage image = noddingScan(64, 121, -2.5 * kDegree, 2.5 * kDegree, 21 * kDegree, {0.0, 0.0, 0.08});
+  image.bearing_min -= 90 * kDegree;
+  BeamGrid grid = toBeamGrid(image);
+  const Plane face{Eigen::Vector3d(0.0, 0.03, 1.0).normalized(), 0.0};
+  LabelImage labels = scanFaces({{face, [](const auto&) { return true; }}}, grid);
+  std::mt19937 random(3);
+  for (int r = 0; r < grid.rows; ++r) {
+    for (int c = 1 + static_cast<int>(random() % 12); c-- > 0;) labels.labels[grid.index(r, c)] = 0;
+    for (int c = static_cast<int>(random() % 12); c-- > 0;) labels.labels[grid.index(r, grid.cols - 1 - c)] = 0;
+  }
+  const double area = totalArea(outline(grid, labels).polygons, 1);
+  addNoise(grid, 0.2);
+  const auto polygons = outline(grid, labels).polygons;
+  EXPECT_LE(polygons.size(), 3U);
+  EXPECT_NEAR(totalArea(polygons, 1), area, 0.06 * area);
+}
+
+TEST(RegionPolygons, FaceSeenEdgeOnIsTheHullOfItsPoints) {
+  // Beams within a face, and noise: they meet its plane anywhere.
+  BeamGrid grid = toBeamGrid(noddingScan(40, 60, -10 * kDegree, 10 * kDegree, 15 * kDegree));
+  Normal normal(5);
+  LabelImage labels{grid.rows, grid.cols, std::vector<std::int32_t>(grid.range.size(), 0)};
+  for (int r = 18; r < 22; ++r) {
+    for (int c = 0; c < grid.cols; ++c) {
+      labels.labels[grid.index(r, c)] = 1;
+      grid.range[grid.index(r, c)] = static_cast<float>(2.0 + 0.1 * normal.uniform());
+    }
+  }
+  std::vector<PlanarRegion> regions(1);
+  regions[0].id = 1;
+  regions[0].plane = {Eigen::Vector3d(-0.002, 0.0, 1.0).normalized(), 0.0};
+  regions[0].centroid = {2.0, 0.0, 0.004};
+  const auto polygons = extractPolygons(grid, labels, regions, {});
+  ASSERT_EQ(polygons.size(), 1U);
+  EXPECT_EQ(faultOf(polygons[0], regions[0].plane), "");
+  for (const auto& v : polygons[0].outer) EXPECT_TRUE(v.norm() > 1.9 && v.norm() < 2.11) << v.transpose();
+  // A circular segment of 30 degrees: outer radius 2.1, its chord from the points at either end.
+  EXPECT_NEAR(polygons[0].area, 0.5 * 2.1 * 2.1 * (30 * kDegree) - 0.5 * 2.0 * 2.0 * std::sin(30 * kDegree), 0.02);
+}
+
 TEST(RegionPolygons, FullTurnDoesNotTouchItselfAtTheSeam) {
   RangeImage image = noddingScan(40, 720, 20 * kDegree, 60 * kDegree, 0.0);
   image.bearing_increment = 0.5 * kDegree;

@@ -29,6 +29,12 @@ class CornerProjection {
   /// Not thread-safe: where no own pixel around the corner has a measurement, the limits of the corner before apply.
   OutlinePoint project(const PixelCorner& corner);
 
+  /// How many corners so far were put where the measured ranges end, because their beams hardly meet the plane.
+  std::size_t limited() const { return limited_; }
+
+  /// The measured point of a pixel, perpendicularly onto the plane.
+  Eigen::Vector2d flatten(int row, int col) const;
+
   /// +1 or -1: handedness of the image on the plane around a corner; it flips where the scan lines cross (the pole). 0:
   /// neither.
   int handedness(int row, int col) const;
@@ -53,6 +59,7 @@ class CornerProjection {
   const float* directions_[3];
   const float* origins_[3];
   Eigen::Vector3d centre_, axis_x_, axis_y_;
+  std::size_t limited_ = 0;
   double shortest_, longest_;  // range measured around the last corner [m]
 };
 

@@ -21,9 +21,11 @@ struct PolygonOptions {
 /// The outline runs along pixel corners (through centres it would lose half a pixel a side); the beam through each corner is
 /// cut with the plane, so edges carry no range noise. Every polygon returned is simple, its holes lie inside, do not
 /// overlap, and the number of vertices is reduced within the tolerance. A region in several 4-connected parts, or one that
-/// no simple ring can bound (it reaches round the pole of the scan), comes as several polygons of the same id. Parts that
-/// collapse to nothing are left out. All coordinates are finite and on the plane, whatever the beams. Deterministic,
-/// thread-safe.
+/// no simple ring can bound (it reaches round the pole of the scan), comes as several polygons of the same id. Loops in
+/// which noise made an outline cross itself are cut off if they enclose next to nothing. A region seen edge-on, whose beams
+/// do not tell where on the plane its outline runs, gets the convex hull of its points where its outline is not simple.
+/// Parts that collapse to nothing are left out. All coordinates are finite and on the plane, whatever the beams.
+/// Deterministic, thread-safe.
 /// @param regions as made by describeRegions() from the same labels.
 /// @return polygons in ascending id, larger pieces first.
 std::vector<PlanarPolygon> extractPolygons(const BeamGrid& grid, const LabelImage& labels,

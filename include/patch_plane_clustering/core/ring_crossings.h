@@ -23,6 +23,13 @@ struct RingEdge {
 /// for outlines whose edges are short compared with the whole.
 std::vector<RingEdge> findCrossings(const std::vector<std::vector<Eigen::Vector2d>>& rings);
 
+/// @brief Two edges of one ring that meet, by their indices: first < second.
+using EdgePair = std::pair<std::size_t, std::size_t>;
+
+/// @brief The pairs of edges for which findCrossings() finds fault with a single ring, ascending. Edges that are too short
+/// have no partner and are left out.
+std::vector<EdgePair> findMeetingEdges(const std::vector<Eigen::Vector2d>& ring);
+
 /// @brief True if `p` lies inside a simple ring of either orientation.
 bool isInside(const Eigen::Vector2d& p, const std::vector<Eigen::Vector2d>& ring);
 

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "patch_plane_clustering/core/corner_projection.h"
+
+#include <vector>
+
+namespace ppc {
+
+/// @brief Leaves out points that coincide with the one before (at the pole all lines meet).
+void dropRepeats(std::vector<OutlinePoint>& ring);
+
+/// @brief Cuts off the loops and spikes at which a ring of corners meets itself, as long as they enclose next to nothing.
+///
+/// Where beams graze the plane, or lines nearly coincide at the pole, noise puts neighbouring corners into the wrong order:
+/// the outline then doubles back on itself, though the region does not.
+/// @param max_area largest area of one loop [m^2].
+/// @return true if anything was cut; the ring may still meet itself in larger loops.
+bool cutLoops(std::vector<OutlinePoint>& ring, double max_area);
+
+}  // namespace ppc

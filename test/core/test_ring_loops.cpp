@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/ring_loops.h"
+
+#include "patch_plane_clustering/core/ring_crossings.h"
+#include "patch_plane_clustering/core/ring_simplification.h"
+
+#include <gtest/gtest.h>
+
+namespace ppc {
+namespace {
+
+std::vector<OutlinePoint> ringOf(const std::vector<Eigen::Vector2d>& points) {
+  std::vector<OutlinePoint> ring(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) ring[i].point = points[i];
+  return ring;
+}
+
+std::vector<Eigen::Vector2d> pointsOf(const std::vector<OutlinePoint>& ring) {
+  std::vector<Eigen::Vector2d> points;
+  for (const OutlinePoint& p : ring) points.push_back(p.point);
+  return points;
+}
+
+TEST(RingLoops, SimpleRingStays) {
+  auto ring = ringOf({{0, 0}, {1, 0}, {1, 1}, {0, 1}});
+  EXPECT_FALSE(cutLoops(ring, 1.0));
+  EXPECT_EQ(ring.size(), 4U);
+}
+
+TEST(RingLoops, SpikeWithoutAreaGoes) {
+  auto ring = ringOf({{0, 0}, {1, 0}, {1, 0.5}, {3, 0.5}, {1, 0.5 + 4e-6}, {1, 1}, {0, 1}});
+  ASSERT_TRUE(cutLoops(ring, 1e-4));
+  EXPECT_TRUE(findCrossings({pointsOf(ring)}).empty());
+  EXPECT_NEAR(signedArea(ring.data(), ring.size()), 1.0, 1e-4);
+}
+
+TEST(RingLoops, SmallLoopGoesAndLargeOneStays) {
+  // The upper right corner is passed in a loop of 0.1 m, turning the other way.
+  const std::vector<Eigen::Vector2d> points{{0, 0}, {1, 0}, {1, 0.9}, {1, 1.1}, {1.1, 1.1}, {1.1, 1.0}, {0.9, 1}, {0, 1}};
+  auto ring = ringOf(points);
+  EXPECT_FALSE(cutLoops(ring, 1e-3));
+  EXPECT_EQ(pointsOf(ring), points);
+  ASSERT_TRUE(cutLoops(ring, 0.05));
+  EXPECT_TRUE(findCrossings({pointsOf(ring)}).empty());
+  EXPECT_NEAR(signedArea(ring.data(), ring.size()), 1.0, 0.02);
+}
+
+TEST(RingLoops, LoopAcrossTheRingsStartGoes) {
+  auto ring = ringOf({{1.1, 1.1}, {1.1, 1.0}, {0.9, 1}, {0, 1}, {0, 0}, {1, 0}, {1, 0.9}, {1, 1.1}});
+  ASSERT_TRUE(cutLoops(ring, 0.05));
+  EXPECT_TRUE(findCrossings({pointsOf(ring)}).empty());
+  EXPECT_NEAR(signedArea(ring.data(), ring.size()), 1.0, 0.02);
+}
+
+TEST(RingLoops, RepeatsGoAlsoAcrossTheStart) {
+  auto ring = ringOf({{0, 0}, {1, 0}, {1, 1e-6}, {1, 1}, {0, 1}, {1e-6, 0}});
+  dropRepeats(ring);
+  EXPECT_EQ(pointsOf(ring), (std::vector<Eigen::Vector2d>{{0, 0}, {1, 0}, {1, 1}, {0, 1}}));
+}
+
+}  // namespace
+}  // namespace ppc
