@@ -136,11 +136,9 @@ void growClusters(const PatchGrid& grid, const NoiseModel& noise, const Coplanar
   const bool plain = !comparison.running_plane || !comparison.noise_aware;
 
   // Seeds: patches whose whole neighbourhood is flat come first; there the first steps are safe.
-  std::vector<double>&roughness = memory.roughness, &radius = memory.radius;
-  std::vector<int>& seeds = memory.seeds;
-  roughness.resize(n);
+  std::vector<double>& radius = memory.radius;
   radius.resize(n);
-  seeds.clear();
+  memory.seeds.clear();
   for (int i = 0; i < n; ++i) {
     const Patch& patch = grid.patches[i];
     if (!patch.planar) continue;
@@ -151,18 +149,17 @@ void growClusters(const PatchGrid& grid, const NoiseModel& noise, const Coplanar
       around += grid.patches[j].moments;
       --missing;
     });
-    roughness[i] = fitPlane(around).chi2 / std::max(1, around.n - 3) + std::max(0, missing);
+    memory.seeds.push_back({fitPlane(around).chi2 / std::max(1, around.n - 3) + std::max(0, missing), i});
     radius[i] = patch.moments.radius();
-    seeds.push_back(i);
   }
   memory.around.clear();
   memory.around_of.assign(n, -1);
   if (!plain) measureSurroundings(grid, noise, tolerance, memory);
-  std::stable_sort(seeds.begin(), seeds.end(), [&](int a, int b) { return roughness[a] < roughness[b]; });
+  std::sort(memory.seeds.begin(), memory.seeds.end());
 
   const double greatest = greatestMisfit(threshold);
   std::vector<int>& queue = out.members;
-  for (const int seed : seeds) {
+  for (const auto& [roughness, seed] : memory.seeds) {
     if (out.cluster_of[seed] >= 0) continue;
     const int id = static_cast<int>(out.clusters.size());
     Cluster cluster;

@@ -30,7 +30,7 @@ class CellResiduals {
     const auto sigma = static_cast<float>(noise.sigma(range));
     const float variance = sigma * sigma + floor * floor * sec2;
     precision_ = 1.0F / variance;
-    log_variance_ = std::log(variance / (sigma * sigma));
+    variance_ratio_ = variance / (sigma * sigma);
   }
 
   /// Infinite where the plane is not in front of the sensor.
@@ -43,11 +43,11 @@ class CellResiduals {
   }
 
   /// Logarithm of the variance over that of the noise alone: a lenient plane explains everything, but nothing well.
-  float logVariance() const { return log_variance_; }
+  float logVariance() const { return std::log(variance_ratio_); }
 
  private:
   Eigen::Vector3f a_;
-  float offset_ = 1.0F, precision_ = 0.0F, log_variance_ = 0.0F;
+  float offset_ = 1.0F, precision_ = 0.0F, variance_ratio_ = 1.0F;
 };
 
 // The valid pixel nearest to the middle of a cell, in scan order; -1 if there is none.
@@ -244,10 +244,11 @@ class PatchResolver {
       storeLanes(window.beams.valid ? capped : Lanes{}, costs_.at(window.row, window.x));
     }
     if (!anyLane(near)) return;
+    const float log_variance = squared.logVariance();
     costs_.forEachSum(patch.row_begin, patch.row_end, reach, [&](int row, int block, Lanes sum) {
       const std::size_t k = blockAt(patch, row, block);
       const Lanes mean = sum * inverse_count_[k];
-      const Lanes total = mean + squared.logVariance();
+      const Lanes total = mean + log_variance;
       const Lanes own = loadLanes<Lanes>(own_.at(row, block * kLanes));
       const LaneMask better = (own <= fill(kMaxOwnResidual)) & (mean < fill(kMaxWindowCost)) & (total < best_[k]);
       best_[k] = better ? total : best_[k];

@@ -187,6 +187,17 @@ bool uniform(const std::int32_t* corner, int rows, int cols, int stride) {
   return !anyLane(others);
 }
 
+// Valid pixels of a label in a cell.
+int countPixels(const BeamGrid& grid, const Patch& cell, const LabelImage& labels, std::int32_t label) {
+  int count = 0;
+  for (int r = cell.row_begin; r < cell.row_end; ++r) {
+    for (int i = grid.index(r, cell.col_begin); i < grid.index(r, cell.col_end); ++i) {
+      count += labels.labels[i] == label && grid.valid(i) ? 1 : 0;
+    }
+  }
+  return count;
+}
+
 // Adds the shares of one cell.
 void shareCell(const BeamGrid& grid, const Patch& cell, const Eigen::Vector3d& center, const NoiseModel& noise,
                const LabelImage& labels, std::vector<std::int32_t>& found, CellShares& out) {
@@ -204,14 +215,14 @@ void shareCell(const BeamGrid& grid, const Patch& cell, const Eigen::Vector3d& c
     }
   }
   for (const std::int32_t label : found) {
+    if (found.size() == 1 && countPixels(grid, cell, labels, label) == cell.moments.n) {  // the patch's own sums serve
+      out.shares.push_back({label, cell.moments});
+      continue;
+    }
     const BlockSums sums = sumPixels(grid, cell.row_begin, cell.row_end, cell.col_begin, cell.col_end,
                                      [&](int i, int count) { return labelsAt(labels, i, count) == fillMask(label); });
     if (sums.empty) continue;
     const int n = countLanes(sums.counted);
-    if (found.size() == 1 && n == cell.moments.n) {  // the patch's own sums serve
-      out.shares.push_back({label, cell.moments});
-      continue;
-    }
     const BlockMoments<double> block = momentsOf(sums, center);
     const double sigma = noise.sigma(block.ranges / n);
     out.shares.push_back({label, momentsOf(block, 0, n)});
@@ -248,6 +259,16 @@ CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseM
   CellShares shares, memory;
   updateShares(grid, cells, noise, labels, std::vector<char>(cells.patches.size(), 1), shares, memory, threads);
   return shares;
+}
+
+void shareClusters(const PatchGrid& patches, const std::vector<int>& cluster_of, CellShares& shares) {
+  shares.begin.clear();
+  shares.shares.clear();
+  for (std::size_t k = 0; k < patches.patches.size(); ++k) {
+    shares.begin.push_back(static_cast<int>(shares.shares.size()));
+    if (cluster_of[k] >= 0) shares.shares.push_back({cluster_of[k] + 1, patches.patches[k].moments});
+  }
+  shares.begin.push_back(static_cast<int>(shares.shares.size()));
 }
 
 void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels,

@@ -101,8 +101,7 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, Clustering
   const auto refine = [&](std::int32_t first_open) {
     refineLabels(grid, patches, shares, labelPlanes(shares), noise, tolerance, first_open, labels, changed, config.threads);
   };
-  changed.assign(patches.patches.size(), 1);
-  update();
+  shareClusters(patches, memory.clusters.cluster_of, shares);
   merge();
   if (config.merge) lap("merging");
   if (config.refine) {

@@ -5,6 +5,7 @@
 #include "patch_plane_clustering/core/patch_grid.h"
 #include "patch_plane_clustering/core/similarity.h"
 
+#include <utility>
 #include <vector>
 
 namespace ppc {
@@ -34,8 +35,9 @@ struct Surroundings {
 
 /// @brief Working memory of growClusters(), which one image after the other may use.
 struct GrowthMemory {
-  std::vector<double> roughness, radius;
-  std::vector<int> seeds, reached, found;
+  std::vector<std::pair<double, int>> seeds;  ///< roughness of the surroundings, index of the patch
+  std::vector<double> radius;
+  std::vector<int> reached, found;
   std::vector<int> around_of;  ///< for every patch: index of its surroundings, or -1
   std::vector<Surroundings> around;
 };

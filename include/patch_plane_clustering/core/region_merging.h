@@ -25,6 +25,9 @@ struct CellShares {
 CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels,
                       int threads = 1);
 
+/// @brief The same where clusters of patches were made labels, index + 1: nothing needs to be summed.
+void shareClusters(const PatchGrid& patches, const std::vector<int>& cluster_of, CellShares& shares);
+
 /// @brief The same, where the shares before some change of labels are known. @param changed for every cell: whether its
 /// labels may have changed since.
 /// @param shares those before; brought up to date. @param memory overwritten.
