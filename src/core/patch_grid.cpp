@@ -100,17 +100,15 @@ void linkNeighbours(PatchGrid& grid) {
 }
 
 // Cuts the columns into strips, and each strip into blocks.
-void layOut(const BeamGrid& grid, int patch_size, bool equal_angle, PatchGrid& out) {
-  const double column_step = equal_angle ? columnStep(grid) : 0.0;
-  const std::vector<double> row_steps = equal_angle ? rowSteps(grid) : std::vector<double>();
+void layOut(const BeamGrid& grid, int patch_size, const AngularSteps& steps, PatchGrid& out) {
   out.strip_rows.clear();
   out.strip_begin.assign(1, 0);
   for (int col = 0; col < grid.cols; col += patch_size) {
     int height = patch_size;
-    if (equal_angle) {
-      const double row_step = interpolate(row_steps, std::min(col + patch_size / 2, grid.cols - 1));
+    if (!steps.rows.empty()) {
+      const double row_step = interpolate(steps.rows, std::min(col + patch_size / 2, grid.cols - 1));
       // Also without any step to go by (one row, no valid pair) the patch stays square.
-      const double ratio = row_step > 0.0 && column_step > 0.0 ? column_step / row_step : 1.0;
+      const double ratio = row_step > 0.0 && steps.column > 0.0 ? steps.column / row_step : 1.0;
       height = static_cast<int>(std::lround(std::min(kAspect * ratio, double{kMaxAspect}) * patch_size));
     }
     height = std::clamp(height, 2, std::max(2, grid.rows));
@@ -193,13 +191,15 @@ int sumBand(const BeamGrid& grid, const PatchGrid& layout, int band_begin, int b
 
 }  // namespace
 
-void makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, const LabelImage* done, int threads,
+AngularSteps measureSteps(const BeamGrid& grid) { return {columnStep(grid), rowSteps(grid)}; }
+
+void makePatchGrid(const BeamGrid& grid, int patch_size, const AngularSteps& steps, const LabelImage* done, int threads,
                    PatchGrid& out) {
   out.rows = grid.rows;
   out.cols = grid.cols;
   out.strip_cols = patch_size;
   out.center = sensorCenter(grid);
-  layOut(grid, patch_size, equal_angle, out);
+  layOut(grid, patch_size, steps, out);
   const int bands = (grid.rows + kBandRows - 1) / kBandRows;
   const auto bandBegin = [&](int band) { return std::min(band * kBandRows, grid.rows); };
   std::vector<int> begin(static_cast<std::size_t>(bands) + 1, 0), count(static_cast<std::size_t>(bands), 0);
@@ -237,7 +237,7 @@ void makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, const
 
 PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, const LabelImage* done, int threads) {
   PatchGrid out;
-  makePatchGrid(grid, patch_size, equal_angle, done, threads, out);
+  makePatchGrid(grid, patch_size, equal_angle ? measureSteps(grid) : AngularSteps(), done, threads, out);
   return out;
 }
 

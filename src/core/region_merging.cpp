@@ -73,15 +73,18 @@ bool isBowed(const Whole& a, const Whole& b, const Moments& side_a, const Moment
 
 // Cells in which several labels meet, or that lie next to a cell with another label.
 std::vector<int> borderCells(const PatchGrid& cells, const CellShares& all) {
+  constexpr std::int32_t kNone = 0, kSeveral = -1;
+  std::vector<std::int32_t> only(cells.patches.size());  // the label of a cell with just one
+  for (std::size_t i = 0; i < only.size(); ++i) {
+    const int count = all.begin[i + 1] - all.begin[i];
+    only[i] = count == 1 ? all.shares[all.begin[i]].label : count == 0 ? kNone : kSeveral;
+  }
   std::vector<int> found;
-  for (int i = 0; i < static_cast<int>(cells.patches.size()); ++i) {
-    const int begin = all.begin[i], end = all.begin[i + 1];
-    if (begin == end) continue;
-    const std::int32_t label = all.shares[begin].label;
-    bool border = end - begin > 1;
-    cells.forEachNeighbour(i, [&](int j) {
-      for (int t = all.begin[j]; t < all.begin[j + 1]; ++t) border = border || all.shares[t].label != label;
-    });
+  for (int i = 0; i < static_cast<int>(only.size()); ++i) {
+    const std::int32_t label = only[i];
+    if (label == kNone) continue;
+    bool border = label == kSeveral;
+    cells.forEachNeighbour(i, [&](int j) { border = border || (only[j] != kNone && only[j] != label); });
     if (border) found.push_back(i);
   }
   return found;
@@ -237,6 +240,11 @@ void rename(const std::vector<std::int32_t>& names, CellShares& cells) {
     const std::size_t first = out;
     const int begin = cells.begin[k], end = cells.begin[k + 1];
     cells.begin[k] = static_cast<int>(first);
+    if (end - begin == 1 && static_cast<int>(first) == begin) {  // nothing to move
+      cells.shares[first].label = names[cells.shares[first].label];
+      ++out;
+      continue;
+    }
     for (int s = begin; s < end; ++s) {
       const CellShares::Share share = {names[cells.shares[s].label], cells.shares[s].moments};
       std::size_t at = first;

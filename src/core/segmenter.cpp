@@ -36,7 +36,7 @@ PatchComparison comparisonOf(const Config& config) { return {config.running_plan
 std::int32_t addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
                              const Config& config, ClusteringMemory& memory, LabelImage& labels) {
   PatchGrid& patches = memory.small_patches;
-  makePatchGrid(grid, std::max(2, (config.patch_size + 2) / 2), config.equal_angle, &labels, config.threads, patches);
+  makePatchGrid(grid, std::max(2, (config.patch_size + 2) / 2), memory.steps, &labels, config.threads, patches);
   weighPatches(noise, patches);
   gatePatches(noise, tolerance, patches);
   const PatchClusters& clusters = memory.clusters;
@@ -73,7 +73,8 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, Clustering
     if (stages != nullptr) stages->emplace_back(stage, watch.lap());
   };
   PatchGrid& patches = memory.patches;
-  makePatchGrid(grid, std::min(config.patch_size, std::max(grid.rows, grid.cols)), config.equal_angle, nullptr,
+  memory.steps = config.equal_angle ? measureSteps(grid) : AngularSteps();
+  makePatchGrid(grid, std::min(config.patch_size, std::max(grid.rows, grid.cols)), memory.steps, nullptr,
                 config.threads, patches);
   lap("moments");
 

@@ -49,14 +49,22 @@ struct PatchGrid {
   }
 };
 
+/// @brief Median angles between neighbouring beams of an image; both empty or 0: patches are to be square, as in the paper.
+struct AngularSteps {
+  double column = 0.0;       ///< from column to column
+  std::vector<double> rows;  ///< from row to row, at columns some pixels apart; 0 where there is none to go by
+};
+
+AngularSteps measureSteps(const BeamGrid& grid);
+
 /// @brief Cuts the grid into patches, sums their moments with unit noise, w = r^2, and fits their planes.
 /// @param equal_angle false: square k x k patches, as in the paper.
 /// @param done if given, pixels with a label there are left out of the moments, and patches without any other are left out.
 PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, const LabelImage* done = nullptr,
                         int threads = 1);
 
-/// @brief The same into patches that are there, whose memory is used again.
-void makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, const LabelImage* done, int threads,
+/// @brief The same with steps that are known, into patches that are there, whose memory is used again.
+void makePatchGrid(const BeamGrid& grid, int patch_size, const AngularSteps& steps, const LabelImage* done, int threads,
                    PatchGrid& out);
 
 }  // namespace ppc
