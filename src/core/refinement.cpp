@@ -170,7 +170,8 @@ class PatchResolver {
     bool any = false;
     for (int r = cell.row_begin; r < cell.row_end; ++r) {
       for (int c = cell.col_begin; c < cell.col_end; c += kLanes) {
-        const BeamLanes beams(grid_, grid_.index(r, c), cell.col_end - c);
+        const int i = grid_.index(r, c), count = cell.col_end - c;
+        const BeamLanes beams = count >= kLanes ? BeamLanes(grid_, i) : BeamLanes(grid_, i, count);
         const LaneMask outside = ~beams.valid | (squared(beams) > fill(kMaxOwnResidual));
         if (!anyLane(outside)) continue;
         for (int lane = 0; lane < std::min(kLanes, cell.col_end - c); ++lane) {

@@ -74,8 +74,8 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, Clustering
   };
   PatchGrid& patches = memory.patches;
   memory.steps = config.equal_angle ? measureSteps(grid) : AngularSteps();
-  makePatchGrid(grid, std::min(config.patch_size, std::max(grid.rows, grid.cols)), memory.steps, nullptr,
-                config.threads, patches);
+  makePatchGrid(grid, std::min(config.patch_size, std::max(grid.rows, grid.cols)), memory.steps, nullptr, config.threads,
+                patches);
   lap("moments");
 
   const NoiseModel noise = config.noise_scale > 0.0 ? NoiseModel(config.sensor, config.noise_scale)

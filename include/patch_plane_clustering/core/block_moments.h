@@ -17,6 +17,37 @@ struct BlockSums {
   Lanes ranges = {};
   LaneMask counted = {};
   bool empty = true;
+
+  /// Adds the chosen valid ones of the beams from pixel i on.
+  void add(const BeamGrid& grid, int i, const BeamLanes& beam, LaneMask chosen) {
+    const LaneMask used = beam.valid & chosen;
+    if (empty) {
+      if (!anyLane(used)) return;
+      for (int lane = 0; empty; ++lane) {
+        empty = used[lane] == 0;
+        if (!empty) first = grid.point(i + lane);
+      }
+    }
+    // Elsewhere the range is 0, and so are the weight and all sums.
+    const Lanes range = used ? beam.range : Lanes{};
+    const Lanes weight = range * range;
+    const Lanes px = beam.origin_x + range * beam.dir_x - first.x();
+    const Lanes py = beam.origin_y + range * beam.dir_y - first.y();
+    const Lanes pz = beam.origin_z + range * beam.dir_z - first.z();
+    const Lanes wx = weight * px, wy = weight * py, wz = weight * pz;
+    w += weight;
+    x += wx;
+    y += wy;
+    z += wz;
+    xx += wx * px;
+    xy += wx * py;
+    xz += wx * pz;
+    yy += wy * py;
+    yz += wy * pz;
+    zz += wz * pz;
+    ranges += range;
+    counted += used;
+  }
 };
 
 /// @brief Sums the chosen valid pixels of rows [row_begin, row_end) and columns [col_begin, col_end).
@@ -24,40 +55,17 @@ struct BlockSums {
 template <typename Choose>
 BlockSums sumPixels(const BeamGrid& grid, int row_begin, int row_end, int col_begin, int col_end, Choose&& choose) {
   BlockSums s;
+  const int whole_end = col_end - (col_end - col_begin) % kLanes;
   for (int r = row_begin; r < row_end; ++r) {
-    for (int c = col_begin; c < col_end; c += kLanes) {
-      const int i = grid.index(r, c), count = col_end - c;
-      const LaneMask chosen = choose(i, count);
-      if (!anyLane(chosen & firstLanes(count))) continue;
-      const BeamLanes beam(grid, i, count);
-      const LaneMask used = beam.valid & chosen;
-      if (!anyLane(used)) continue;
-      if (s.empty) {
-        for (int lane = 0; s.empty; ++lane) {
-          s.empty = used[lane] == 0;
-          if (!s.empty) s.first = grid.point(i + lane);
-        }
-      }
-      // Elsewhere the range is 0, and so are the weight and all sums.
-      const Lanes range = used ? beam.range : Lanes{};
-      const Lanes weight = range * range;
-      const Lanes px = beam.origin_x + range * beam.dir_x - s.first.x();
-      const Lanes py = beam.origin_y + range * beam.dir_y - s.first.y();
-      const Lanes pz = beam.origin_z + range * beam.dir_z - s.first.z();
-      const Lanes wx = weight * px, wy = weight * py, wz = weight * pz;
-      s.w += weight;
-      s.x += wx;
-      s.y += wy;
-      s.z += wz;
-      s.xx += wx * px;
-      s.xy += wx * py;
-      s.xz += wx * pz;
-      s.yy += wy * py;
-      s.yz += wy * pz;
-      s.zz += wz * pz;
-      s.ranges += range;
-      s.counted += used;
+    for (int c = col_begin; c < whole_end; c += kLanes) {
+      const int i = grid.index(r, c);
+      const LaneMask chosen = choose(i, kLanes);
+      if (anyLane(chosen)) s.add(grid, i, BeamLanes(grid, i), chosen);
     }
+    if (whole_end == col_end) continue;
+    const int i = grid.index(r, whole_end), count = col_end - whole_end;
+    const LaneMask chosen = choose(i, count) & firstLanes(count);
+    if (anyLane(chosen)) s.add(grid, i, BeamLanes(grid, i, count), chosen);
   }
   return s;
 }

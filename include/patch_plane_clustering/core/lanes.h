@@ -64,6 +64,13 @@ struct BeamLanes {
   Lanes origin_x = {}, origin_y = {}, origin_z = {};
   LaneMask valid;  ///< has a measurement, and lies within `count`
 
+  /// The four from pixel i on, all of which lie in the grid.
+  BeamLanes(const BeamGrid& grid, int i) {
+    read(grid, i, [](const float* from) { return loadLanes<Lanes>(from); });
+    valid = range > Lanes{};
+  }
+
+  /// The first `count` of them.
   BeamLanes(const BeamGrid& grid, int i, int count) {
     if (i + kLanes <= grid.size()) {
       read(grid, i, [](const float* from) { return loadLanes<Lanes>(from); });
