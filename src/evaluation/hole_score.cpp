@@ -76,6 +76,26 @@ double iou(const Hole& a, const Hole& b) {
   return static_cast<double>(both.size()) / static_cast<double>(a.size() + b.size() - both.size());
 }
 
+// Whether a hole of the true region `true_id` is left out of, and bounded by, the found region.
+bool isOpening(const LabelImage& truth, std::int32_t true_id, const LabelImage& found, std::int32_t found_id,
+               const Hole& hole) {
+  constexpr double kLeftOut = 0.8, kBounded = 0.5;
+  std::vector<int> rim;
+  std::size_t outside = 0;
+  for (const int i : hole) {
+    outside += found.labels[i] != found_id ? 1 : 0;
+    // A hole has pixels of its region on all sides: it does not touch the border of the image.
+    for (const int j : {i - 1, i + 1, i - truth.cols, i + truth.cols}) {
+      if (truth.labels[j] == true_id) rim.push_back(j);
+    }
+  }
+  std::sort(rim.begin(), rim.end());
+  rim.erase(std::unique(rim.begin(), rim.end()), rim.end());
+  const auto bounding = std::count_if(rim.begin(), rim.end(), [&](int j) { return found.labels[j] == found_id; });
+  return static_cast<double>(outside) >= kLeftOut * static_cast<double>(hole.size()) &&
+         static_cast<double>(bounding) >= kBounded * static_cast<double>(rim.size());
+}
+
 }  // namespace
 
 std::vector<Hole> holesOf(const LabelImage& labels, std::int32_t id, int min_pixels) {
@@ -108,6 +128,8 @@ HoleScore holeScore(const LabelImage& truth, const LabelImage& found, const Regi
       const bool recalled =
           std::any_of(others.begin(), others.end(), [&](const Hole& other) { return iou(hole, other) >= 0.5; });
       score.found_holes += recalled ? 1 : 0;
+      const bool opening = isOpening(truth, overlap.true_ids[t], found, overlap.found_ids[most - common.begin()], hole);
+      score.found_openings += recalled || opening ? 1 : 0;
     }
   }
   return score;

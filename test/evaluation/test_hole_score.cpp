@@ -54,12 +54,33 @@ TEST(HoleScore, CountsHolesThatTheFoundRegionHasToo) {
   const LabelImage found = picture({"77777777777",  //
                                     "77..7777777",  // IoU 4 / 6 with the first hole, nothing at the second
                                     "77..7777777",  //
-                                    "77777777777"});
+                                    "77........."});
   const HoleScore score = holeScore(truth, found, overlapOf(truth, found, 10), 5);
   EXPECT_EQ(score.true_holes, 2);  // what is open on the right is none
   EXPECT_EQ(score.found_holes, 1);
   const HoleScore perfect = holeScore(truth, truth, overlapOf(truth, truth, 10), 5);
   EXPECT_EQ(perfect.found_holes, 2);
+  EXPECT_EQ(perfect.found_openings, 2);
+}
+
+TEST(HoleScore, ANotchIsAnOpeningButNoHole) {
+  const LabelImage truth = picture({"11111111111",  //
+                                    "1...1...111",  //
+                                    "1...1...111",  //
+                                    "11111111111"});
+  const LabelImage notch = picture({"77.77777777",  // the first hole is open to the top, the second filled
+                                    "7...7777777",  //
+                                    "7...7777777",  //
+                                    "77........."});
+  const HoleScore score = holeScore(truth, notch, overlapOf(truth, notch, 10), 5);
+  EXPECT_EQ(score.true_holes, 2);
+  EXPECT_EQ(score.found_holes, 0);
+  EXPECT_EQ(score.found_openings, 1);
+  const LabelImage half = picture({"77.........",  // left out, but hardly bounded
+                                   "7..........",  //
+                                   "7..........",  //
+                                   "77........."});
+  EXPECT_EQ(holeScore(truth, half, overlapOf(truth, half, 10), 5).found_openings, 0);
 }
 
 TEST(HoleScore, AHoleOfAnotherShapeAndARegionThatWasMissedAreNotRecalled) {

@@ -17,9 +17,10 @@ std::vector<Hole> holesOf(const LabelImage& labels, std::int32_t id, int min_pix
 
 /// @brief How many holes of the true regions are holes of the found ones too.
 struct HoleScore {
-  int true_holes = 0;  ///< in the true regions that count
-  int found_holes =
-      0;  ///< of those: a hole of the found region there has an intersection over union of at least 0.5 with it
+  int true_holes = 0;      ///< in the true regions that count
+  int found_holes = 0;     ///< of those: a hole of the found region has an intersection over union of at least 0.5 with it
+  int found_openings = 0;  ///< of those: an opening of the found region, be it a hole or a notch of its outline: at least
+                           ///< 0.8 of the hole is outside of the region, and at least half of the hole's rim belongs to it
 };
 
 /// @brief Compares the holes of every true region of `overlap` with those of the found region that shares most pixels with

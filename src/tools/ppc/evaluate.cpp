@@ -124,6 +124,9 @@ void scoreWithCloud(const EvaluateOptions& options, const BeamGrid& grid, const 
   json["true_holes"] = holes.true_holes;
   json["holes_found"] = holes.found_holes;
   json["hole_recall"] = holes.true_holes > 0 ? Json(static_cast<double>(holes.found_holes) / holes.true_holes) : Json();
+  json["openings_found"] = holes.found_openings;
+  json["opening_recall"] =
+      holes.true_holes > 0 ? Json(static_cast<double>(holes.found_openings) / holes.true_holes) : Json();
   const BoundaryScore boundary =
       boundaryScore(grid, truth, refits, polygons.polygons, rendered_overlap, segcomp(rendered_overlap, options.tolerance));
   json["boundary_error"] = boundary.regions > 0 ? Json(boundary.mean_error) : Json();
