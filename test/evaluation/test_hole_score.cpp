@@ -54,7 +54,7 @@ TEST(HoleScore, CountsHolesThatTheFoundRegionHasToo) {
   const LabelImage found = picture({"77777777777",  //
                                     "77..7777777",  // IoU 4 / 6 with the first hole, nothing at the second
                                     "77..7777777",  //
-                                    "77........."});
+                                    "77777777777"});
   const HoleScore score = holeScore(truth, found, overlapOf(truth, found, 10), 5);
   EXPECT_EQ(score.true_holes, 2);  // what is open on the right is none
   EXPECT_EQ(score.found_holes, 1);
@@ -71,7 +71,7 @@ TEST(HoleScore, ANotchIsAnOpeningButNoHole) {
   const LabelImage notch = picture({"77.77777777",  // the first hole is open to the top, the second filled
                                     "7...7777777",  //
                                     "7...7777777",  //
-                                    "77........."});
+                                    "77777777777"});
   const HoleScore score = holeScore(truth, notch, overlapOf(truth, notch, 10), 5);
   EXPECT_EQ(score.true_holes, 2);
   EXPECT_EQ(score.found_holes, 0);
