@@ -87,7 +87,10 @@ class PatchPlaneClustering : public nodelet::Nodelet {
     method_ = makeSegmenter(method_name_);
     reader.expect("diagnostic_period");
     for (const std::string& error : reader.errors()) NODELET_ERROR("%s; the default is used", error.c_str());
-    for (const std::string& unknown : reader.unknown()) NODELET_WARN("%s", unknown.c_str());
+    for (const std::string& unknown : reader.unknown()) {
+      NODELET_WARN("%s", unknown.c_str());
+      unknown_ += (unknown_.empty() ? "" : "; ") + unknown;
+    }
   }
 
   void onImage(const ros::MessageEvent<const RangeImageMsg>& event) {
@@ -108,6 +111,7 @@ class PatchPlaneClustering : public nodelet::Nodelet {
 
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     const auto now = Clock::now();
+    if (!unknown_.empty()) status.add("Unknown parameters", unknown_);
     accounts_.write(std::chrono::duration<double>(now - last_report_).count(), status);
     last_report_ = now;
   }
@@ -199,6 +203,7 @@ class PatchPlaneClustering : public nodelet::Nodelet {
   }
 
   std::string method_name_;
+  std::string unknown_;                     // parameters that nobody knows
   std::unique_ptr<PlaneSegmenter> method_;  // of the worker's thread
   RangeImage image_;  // of the worker's thread, like the grid: their memory serves the next message too
   BeamGrid grid_;

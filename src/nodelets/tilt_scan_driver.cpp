@@ -3,6 +3,7 @@
 #include "patch_plane_clustering/ros/driver_options.h"
 #include "patch_plane_clustering/ros/joint_sample.h"
 #include "patch_plane_clustering/ros/laser_poses.h"
+#include "patch_plane_clustering/ros/publisher_watch.h"
 #include "patch_plane_clustering/ros/range_image_conversions.h"
 #include "patch_plane_clustering/ros/sequence_watch.h"
 
@@ -78,7 +79,8 @@ class TiltScanDriver : public nodelet::Nodelet {
     ++health_.scans;
     sequence_.see(event.getPublisherName(), scan->header.seq);
     last_scan_ = ros::WallTime::now();
-    std::string fault = faultOf(*scan, poses_->laserFrame());
+    std::string fault = secondPublisher(scan_publishers_, event, scan_sub_);
+    if (fault.empty()) fault = faultOf(*scan, poses_->laserFrame());
     if (fault.empty()) {
       if (poses_->laserFrame().empty()) poses_->setLaserFrame(frameName(scan->header.frame_id));
       if (first_scan_.isZero()) first_scan_ = last_scan_;
@@ -95,14 +97,16 @@ class TiltScanDriver : public nodelet::Nodelet {
     NODELET_WARN_STREAM_THROTTLE(5.0, "Scan skipped: " << fault);
   }
 
-  void onJoint(const sensor_msgs::JointStateConstPtr& message) {
-    const JointSample sample = readJointSample(*message, options_.joint_name);
+  void onJoint(const ros::MessageEvent<const sensor_msgs::JointState>& event) {
+    JointSample sample = readJointSample(*event.getMessage(), options_.joint_name);
     if (!sample.present) {  // another joint's
-      health_.other_joints = boost::algorithm::join(message->name, ", ").substr(0, 200);
+      health_.other_joints = boost::algorithm::join(event.getMessage()->name, ", ").substr(0, 200);
       return;
     }
     ++health_.joint_samples;
     last_joint_ = ros::WallTime::now();
+    const std::string second = secondPublisher(joint_publishers_, event, joint_sub_);
+    if (!second.empty()) sample.fault = "joint '" + options_.joint_name + "' is " + second;
     if (!sample.fault.empty()) {
       ++health_.bad_joint_messages;
       health_.last_fault = sample.fault;
@@ -111,6 +115,14 @@ class TiltScanDriver : public nodelet::Nodelet {
     }
     poses_->joint()->track().add(sample.stamp, sample.angle);
     placeLines();
+  }
+
+  /// What is wrong if the message is not of the publisher that this topic was taken from so far.
+  template <typename Event>
+  static std::string secondPublisher(PublisherWatch& watch, const Event& event, const ros::Subscriber& subscriber) {
+    const std::string& name = event.getPublisherName();
+    if (watch.accepts(name, ros::WallTime::now().toSec(), static_cast<int>(subscriber.getNumPublishers()))) return {};
+    return "published by " + name + " too, but those of " + watch.kept() + " are used";
   }
 
   void placeLines() {
@@ -210,6 +222,7 @@ class TiltScanDriver : public nodelet::Nodelet {
 
   double last_placed_ = -std::numeric_limits<double>::infinity();  // stamp of the newest row [s]
   SequenceWatch sequence_;                                         // of the scans
+  PublisherWatch scan_publishers_, joint_publishers_;
   DriverHealth health_;
   DriverDiagnostics diagnostics_;
   std::unique_ptr<diagnostic_updater::Updater> updater_;

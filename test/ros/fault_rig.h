@@ -37,12 +37,12 @@ class FaultRig : public testing::Test {
     statistics_subscriber_ =
         nh_.subscribe<SegmentationStatistics>(ns_ + "/statistics", 100, [this](const auto& m) { statistics.push_back(m); });
     ASSERT_TRUE(player.connect());
-    ASSERT_TRUE(ScanPlayer::waitFor(
+    ASSERT_TRUE(waitFor(
         [this] { return polygons_subscriber_.getNumPublishers() > 0 && statistics_subscriber_.getNumPublishers() > 0; }));
   }
 
   bool waitForImages(std::size_t count) {
-    return ScanPlayer::waitFor([&] { return player.images.size() >= count && player.clouds.size() >= count; });
+    return waitFor([&] { return player.images.size() >= count && player.clouds.size() >= count; });
   }
 
   /// Lines dropped for this cause, by the diagnostics that settle() has waited for.
@@ -60,7 +60,7 @@ class FaultRig : public testing::Test {
       expectOneSweep(*image);
     }
     // A polygon message for every image that was not overtaken by a newer one.
-    ASSERT_TRUE(ScanPlayer::waitFor([&] {
+    ASSERT_TRUE(waitFor([&] {
       return player.images.empty() ||
              (!polygons.empty() && polygons.back()->header.stamp == player.images.back()->header.stamp &&
               !statistics.empty() && statistics.back()->header.stamp == player.images.back()->header.stamp);
@@ -84,7 +84,7 @@ class FaultRig : public testing::Test {
       for (const auto& image : player.images) sum += image->height;
       return sum;
     };
-    EXPECT_TRUE(ScanPlayer::waitFor([&] { return player.diagnosed("Lines in images") == all_rows(); }));
+    EXPECT_TRUE(waitFor([&] { return player.diagnosed("Lines in images") == all_rows(); }));
     EXPECT_EQ(player.diagnosed("Lines in"), player.scans_sent);
     EXPECT_EQ(player.diagnosed("Lines in"),
               player.diagnosed("Lines in images") + player.diagnosed("Lines pending") + player.linesDropped());
@@ -101,12 +101,11 @@ class FaultRig : public testing::Test {
 
   /// Waits for diagnostics that know of all that was sent.
   bool settle() {
-    return ScanPlayer::waitFor([this] { return player.diagnosed("Lines in") >= player.scans_sent; }) &&
-           player.freshDiagnostics();
+    return waitFor([this] { return player.diagnosed("Lines in") >= player.scans_sent; }) && player.freshDiagnostics();
   }
 
   bool told(const std::string& part, double seconds = 15.0) {
-    return ScanPlayer::waitFor([&] { return player.diagnostics.message.find(part) != std::string::npos; }, seconds);
+    return waitFor([&] { return player.diagnostics.message.find(part) != std::string::npos; }, seconds);
   }
 
   static double worstPoint(const sensor_msgs::PointCloud2& cloud) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "patch_plane_clustering/ros/messages.h"
+#include "wait_for.h"
 
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <ros/ros.h>
@@ -51,17 +52,6 @@ class ScanPlayer {
         if (status.name == ns_.substr(1) + "/driver: tilt scan driver") diagnostics = status;
       }
     });
-  }
-
-  /// Runs callbacks until `done` or the time is over.
-  static bool waitFor(const std::function<bool()>& done, double seconds = 15.0) {
-    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(seconds);
-    while (ros::ok() && ros::WallTime::now() < end) {
-      ros::spinOnce();
-      if (done()) return true;
-      ros::WallDuration(0.005).sleep();
-    }
-    return false;
   }
 
   ScanPlayer(const ScanPlayer&) = delete;  // its functions refer to it

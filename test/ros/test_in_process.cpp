@@ -3,13 +3,13 @@
 // unloading.
 #include "patch_plane_clustering/ros/messages.h"
 #include "test_scenes.h"
+#include "wait_for.h"
 
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
 #include <nodelet/loader.h>
 #include <ros/ros.h>
 #include <atomic>
-#include <functional>
 #include <set>
 #include <thread>
 
@@ -17,16 +17,6 @@ namespace ppc {
 namespace {
 
 using namespace testing_tools;
-
-bool waitFor(const std::function<bool()>& done, double seconds = 60.0) {
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(seconds);
-  while (ros::ok() && ros::WallTime::now() < end) {
-    ros::spinOnce();
-    if (done()) return true;
-    ros::WallDuration(0.005).sleep();
-  }
-  return false;
-}
 
 bool reconfigure(const std::string& nodelet, int patch_size, double sigma) {
   dynamic_reconfigure::Reconfigure call;

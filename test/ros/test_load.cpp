@@ -4,6 +4,7 @@
 #include "nodelet_manager.h"
 #include "patch_plane_clustering/ros/messages.h"
 #include "patch_plane_clustering/ros/reconfiguration.h"
+#include "wait_for.h"
 
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <dynamic_reconfigure/Reconfigure.h>
@@ -15,7 +16,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <functional>
 #include <iostream>
 #include <limits>
 #include <map>
@@ -63,16 +63,6 @@ class Load : public testing::Test {
              diagnostics_subscriber_.getNumPublishers() > 0;
     }));
     ASSERT_TRUE(manager_.load(ns_ + "/scanner", "SimulatedScanner"));  // last: it makes traffic
-  }
-
-  static bool waitFor(const std::function<bool()>& done, double seconds = 60.0) {
-    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(seconds);
-    while (ros::ok() && ros::WallTime::now() < end) {
-      ros::spinOnce();
-      if (done()) return true;
-      ros::WallDuration(0.005).sleep();
-    }
-    return false;
   }
 
   bool waitForPolygons(std::size_t more) {

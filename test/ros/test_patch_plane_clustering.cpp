@@ -2,6 +2,7 @@
 // The nodelet from outside: what is published for what comes in.
 #include "patch_plane_clustering/ros/messages.h"
 #include "test_scenes.h"
+#include "wait_for.h"
 
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
@@ -22,16 +23,6 @@ namespace ppc {
 namespace {
 
 using namespace testing_tools;  // NOLINT: one scene header for these tests
-
-bool waitFor(const std::function<bool()>& done, double seconds = 15.0) {
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(seconds);
-  while (ros::ok() && ros::WallTime::now() < end) {
-    ros::spinOnce();
-    if (done()) return true;
-    ros::WallDuration(0.005).sleep();
-  }
-  return false;
-}
 
 class PatchPlaneClusteringTest : public testing::Test {
  protected:

@@ -93,14 +93,14 @@ TEST(Playback, aLoopingBagGivesTheSameSweepsAgainAndIsTunedMeanwhile) {
       }
     }
   });
-  ASSERT_TRUE(ScanPlayer::waitFor(
+  ASSERT_TRUE(waitFor(
       [&] {
         return a.getNumPublishers() > 0 && b.getNumPublishers() > 0 && c.getNumPublishers() > 0 && d.getNumPublishers() > 0;
       },
       30.0));
 
   const Program play({"rosbag", "play", "--loop", "--clock", "--quiet", "--delay=1", "--rate=4", file});
-  ASSERT_TRUE(ScanPlayer::waitFor([&] { return resets >= 3; }, 60.0));
+  ASSERT_TRUE(waitFor([&] { return resets >= 3; }, 60.0));
 
   // In every loop the same sweeps, each of one pass, none of the end of a loop and the beginning of the next.
   std::set<std::uint64_t> whole;
@@ -122,17 +122,17 @@ TEST(Playback, aLoopingBagGivesTheSameSweepsAgainAndIsTunedMeanwhile) {
   // During play: more points than an image has; no region is that large.
   Program tune({"rosrun", "dynamic_reconfigure", "dynparam", "set", "/ppc", "min_size", "900000"});
   EXPECT_EQ(tune.wait(), 0);
-  ASSERT_TRUE(ScanPlayer::waitFor([&] { return !statistics.empty() && statistics.back()->polygons == 0; }, 20.0));
+  ASSERT_TRUE(waitFor([&] { return !statistics.empty() && statistics.back()->polygons == 0; }, 20.0));
   Program tune_back({"rosrun", "dynamic_reconfigure", "dynparam", "set", "/ppc", "min_size", "350"});
   EXPECT_EQ(tune_back.wait(), 0);
-  ASSERT_TRUE(ScanPlayer::waitFor([&] { return statistics.back()->polygons >= 3; }, 20.0));
+  ASSERT_TRUE(waitFor([&] { return statistics.back()->polygons >= 3; }, 20.0));
   Program patches({"rosrun", "dynamic_reconfigure", "dynparam", "set", "/ppc", "patch_size", "9"});
   EXPECT_EQ(patches.wait(), 0);
   int in_force = 0;
   EXPECT_TRUE(ros::param::get("/ppc/patch_size", in_force));
   EXPECT_EQ(in_force, 9);
   const std::size_t before = statistics.size();
-  ASSERT_TRUE(ScanPlayer::waitFor([&] { return statistics.size() >= before + 4; }, 20.0));
+  ASSERT_TRUE(waitFor([&] { return statistics.size() >= before + 4; }, 20.0));
   EXPECT_GE(statistics.back()->polygons, 3U);  // the walls are still there
   std::remove(file.c_str());
 }

@@ -2,23 +2,13 @@
 // A nodelet manager that is killed comes back, and polygons with it.
 #include "nodelet_manager.h"
 #include "patch_plane_clustering/ros/messages.h"
+#include "wait_for.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <functional>
 
 namespace ppc {
 namespace {
-
-bool waitFor(const std::function<bool()>& done, double seconds) {
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(seconds);
-  while (ros::ok() && ros::WallTime::now() < end) {
-    ros::spinOnce();
-    if (done()) return true;
-    ros::WallDuration(0.01).sleep();
-  }
-  return false;
-}
 
 TEST(Respawn, aKilledManagerComesBackAndSweepsGoOn) {
   ros::NodeHandle nh;

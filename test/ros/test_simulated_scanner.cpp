@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The nodelet's topics against the simulator that it is made of.
 #include "patch_plane_clustering/sim/scanner.h"
+#include "wait_for.h"
 
 #include <gtest/gtest.h>
 #include <ros/ros.h>
@@ -11,7 +12,6 @@
 #include <tf2_msgs/TFMessage.h>
 #include <cmath>
 #include <cstring>
-#include <functional>
 
 namespace ppc {
 namespace {
@@ -29,15 +29,6 @@ struct Collector {
   std::vector<boost::shared_ptr<const Message>> all;
   ros::Subscriber subscriber;
 };
-
-bool waitFor(const std::function<bool()>& ready) {
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(20.0);
-  while (!ready() && ros::WallTime::now() < end) {
-    ros::spinOnce();
-    ros::WallDuration(0.005).sleep();
-  }
-  return ready();
-}
 
 sim::Scanner twin() {
   sim::ScannerOptions options;

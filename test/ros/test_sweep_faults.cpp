@@ -2,6 +2,10 @@
 // Faults of sensor, joint and clock, injected on the topics; what is judged is what comes out.
 #include "fault_rig.h"
 
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <csignal>
 #include <deque>
 #include <limits>
 #include <random>
@@ -365,6 +369,68 @@ TEST_F(SweepFaults, aStalledMotorIsTold) {
   ASSERT_TRUE(told("no sweep for"));
   expectSound(0.01);
   EXPECT_NEAR(drops("tilt standing"), 5.2 * 40.0, 3.0);
+}
+
+/// Another node, `rostopic pub`, that publishes the same message fifty times a second, stamped with the time of the day.
+class Stray {
+ public:
+  Stray(const std::string& topic, const char* type, const char* message) {
+    const char* const arguments[] = {"rostopic", "pub", "-s", "-r", "50", topic.c_str(), type, message, nullptr};
+    if (posix_spawnp(&process_, "rostopic", nullptr, nullptr, const_cast<char**>(arguments), environ) != 0) process_ = 0;
+  }
+  ~Stray() {
+    if (process_ == 0) return;
+    kill(process_, SIGTERM);
+    waitpid(process_, nullptr, 0);
+  }
+  Stray(const Stray&) = delete;
+  Stray& operator=(const Stray&) = delete;
+  bool runs() const { return process_ != 0; }
+
+ private:
+  pid_t process_ = 0;
+};
+
+TEST_F(SweepFaults, aSecondPublisherOfTheJointIsToldAndMovesNoRow) {
+  start();
+  player.play(kStart, kStart + 0.4);
+  const Stray stray(ns_ + "/joint_states", "sensor_msgs/JointState",
+                    "{header: {stamp: now}, name: [tilt_joint], position: [0.0]}");
+  ASSERT_TRUE(stray.runs());
+  double t = kStart + 0.4;
+  const std::string words = "joint 'tilt_joint' is published by /rostopic_";
+  for (; t < kStart + 60.0 && player.diagnostics.message.find(words) == std::string::npos; t += 0.4) player.play(t, t + 0.4);
+  ASSERT_NE(player.diagnostics.message.find(words), std::string::npos) << player.diagnostics.message;
+  const std::size_t before = player.images.size();
+  player.play(t, t + 6.4);
+  ASSERT_TRUE(waitForImages(before + 3));
+  expectSound();
+  EXPECT_GT(player.diagnosed("Joint messages rejected: incomplete"), 10.0);
+  EXPECT_EQ(player.linesDropped(), 0.0);
+}
+
+TEST_F(SweepFaults, aSecondLaserOnTheTopicIsToldAndMakesNoRows) {
+  start();
+  player.play(kStart, kStart + 0.4);
+  std::string ranges = "1.0";
+  for (int i = 1; i < player.beams; ++i) ranges += ", 1.0";
+  const std::string scan =
+      "{header: {stamp: now, frame_id: " + ns_.substr(1) +
+      "_laser}, angle_min: -1.5, angle_max: 1.5, angle_increment: " + "0.025, range_min: 0.02, range_max: 30.0, ranges: [" +
+      ranges + "]}";
+  const Stray stray(ns_ + "/scan", "sensor_msgs/LaserScan", scan.c_str());
+  ASSERT_TRUE(stray.runs());
+  double t = kStart + 0.4;
+  const std::string words = "bad scan: published by /rostopic_";
+  for (; t < kStart + 60.0 && player.diagnostics.message.find(words) == std::string::npos; t += 0.4) player.play(t, t + 0.4);
+  ASSERT_NE(player.diagnostics.message.find(words), std::string::npos) << player.diagnostics.message;
+  const std::size_t before = player.images.size();
+  player.play(t, t + 6.4);
+  ASSERT_TRUE(waitForImages(before + 3));
+  for (const auto& cloud : player.clouds) EXPECT_LT(worstPoint(*cloud), 0.002);
+  ASSERT_TRUE(settle());
+  EXPECT_GT(drops("bad scan"), 10);
+  EXPECT_EQ(player.linesDropped(), drops("bad scan"));
 }
 
 /// The joint of the other tests is replaced by tf.

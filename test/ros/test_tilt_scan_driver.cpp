@@ -32,7 +32,7 @@ TEST(TiltScanDriver, noddingPutsEveryPointOnTheWalls) {
   nodding(player);
   ASSERT_TRUE(player.connect());
   player.play(kBase, kBase + 6.4);
-  ASSERT_TRUE(ScanPlayer::waitFor([&] { return player.images.size() >= 3 && player.clouds.size() >= 3; }));
+  ASSERT_TRUE(waitFor([&] { return player.images.size() >= 3 && player.clouds.size() >= 3; }));
   for (std::size_t i = 0; i < 3; ++i) {
     const RangeImageMsg& image = *player.images[i];
     EXPECT_EQ(image.header.frame_id, "nod_base");
@@ -69,7 +69,7 @@ TEST(TiltScanDriver, upAndDownGiveTheSameImageOfAStillScene) {
   player.tilt = [=](double t) { return 0.7 - 0.4 * std::abs(std::fmod(t - start + 35.0 + 0.0125, 7.0) - 3.5); };
   ASSERT_TRUE(player.connect());
   player.play(start, start + 8.0);
-  ASSERT_TRUE(ScanPlayer::waitFor([&] { return player.images.size() >= 2; }));
+  ASSERT_TRUE(waitFor([&] { return player.images.size() >= 2; }));
   const RangeImageMsg& up = *player.images[player.images.size() - 2];
   const RangeImageMsg& down = *player.images.back();
   EXPECT_EQ(up.height, 140U);
@@ -88,7 +88,7 @@ TEST(TiltScanDriver, halfTurnsOfASpinningLaser) {
   player.tilt = [](double t) { return 2.0 * (t - kBase) - 1.0; };
   ASSERT_TRUE(player.connect());
   player.play(kBase, kBase + 6.0);
-  ASSERT_TRUE(ScanPlayer::waitFor([&] { return player.clouds.size() >= 3; }));
+  ASSERT_TRUE(waitFor([&] { return player.clouds.size() >= 3; }));
   for (std::size_t i = 1; i < 3; ++i) {  // the first one began within a half turn
     const RangeImageMsg& image = *player.images[i];
     EXPECT_NEAR(image.height, M_PI / 2.0 * 40.0, 1.5);
@@ -106,7 +106,7 @@ TEST(TiltScanDriver, tiltFromTfAlone) {
   player.mount.translation() = Eigen::Vector3d(0.02, 0.0, 0.08);
   ASSERT_TRUE(player.connect());
   player.play(kBase, kBase + 4.4);
-  ASSERT_TRUE(ScanPlayer::waitFor([&] { return player.clouds.size() >= 2; }));
+  ASSERT_TRUE(waitFor([&] { return player.clouds.size() >= 2; }));
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_NEAR(player.images[i]->height, 80, 3);
     EXPECT_NEAR(player.images[i]->tilts.front(), -0.7, 0.01);
@@ -121,7 +121,7 @@ TEST(TiltScanDriver, mountFromTf) {
   player.mount.translation() = Eigen::Vector3d(0.0, 0.0, 0.08);
   ASSERT_TRUE(player.connect());
   player.play(kBase, kBase + 4.4);
-  ASSERT_TRUE(ScanPlayer::waitFor([&] { return player.clouds.size() >= 2; }));
+  ASSERT_TRUE(waitFor([&] { return player.clouds.size() >= 2; }));
   EXPECT_LT(worstPoint(*player.clouds[0]), 0.001);
   EXPECT_LT(worstPoint(*player.clouds[1]), 0.001);
   const RangeImageMsg& image = *player.images[0];
@@ -140,7 +140,7 @@ TEST(TiltScanDriver, withoutTfTheMountIsZeroAfterATimeOut) {
   ScanPlayer player("/unmounted");
   ASSERT_TRUE(player.connect());
   player.play(kBase, kBase + 4.4);
-  ASSERT_TRUE(ScanPlayer::waitFor([&] { return player.clouds.size() >= 2; }));
+  ASSERT_TRUE(waitFor([&] { return player.clouds.size() >= 2; }));
   EXPECT_NEAR(player.images[0]->height, 80, 3);  // no line was lost while it waited
   EXPECT_LT(worstPoint(*player.clouds[0]), 0.001);
 }
@@ -155,7 +155,7 @@ TEST(TiltScanDriver, aDrivingBaseIsCompensated) {
   };
   ASSERT_TRUE(player.connect());
   player.play(kBase, kBase + 4.4);
-  ASSERT_TRUE(ScanPlayer::waitFor([&] { return player.clouds.size() >= 2; }));
+  ASSERT_TRUE(waitFor([&] { return player.clouds.size() >= 2; }));
   for (const auto& cloud : player.clouds) {
     // Seen from where the base was at the newest beam, all is in one room.
     EXPECT_LT(worstPoint(*cloud, player.basePose(cloud->header.stamp.toSec())), 0.001);
@@ -172,7 +172,7 @@ TEST(TiltScanDriver, linesWithoutJointSamplesAreDroppedAndCounted) {
   ASSERT_TRUE(player.freshDiagnostics());
   const double gaps = player.diagnosed("Lines dropped: tilt gap");
   player.play(start, start + 4.4);
-  ASSERT_TRUE(ScanPlayer::waitFor([&] { return player.clouds.size() >= 2; }));
+  ASSERT_TRUE(waitFor([&] { return player.clouds.size() >= 2; }));
   ASSERT_TRUE(player.freshDiagnostics());
   EXPECT_NEAR(player.diagnosed("Lines dropped: tilt gap") - gaps, 0.8 * 40.0, 3.0);
   for (const auto& cloud : player.clouds) EXPECT_LT(worstPoint(*cloud), 0.001);
@@ -211,7 +211,7 @@ TEST(TiltScanDriver, badScansAreCountedAndTheDriverLivesOn) {
     player.publishScan(scan);
   }
   player.play(start + 0.5, start + 4.4);
-  ASSERT_TRUE(ScanPlayer::waitFor([&] { return player.clouds.size() >= 2; }));
+  ASSERT_TRUE(waitFor([&] { return player.clouds.size() >= 2; }));
   ASSERT_TRUE(player.freshDiagnostics());
   EXPECT_EQ(player.diagnosed("Lines dropped: bad scan") - before, static_cast<double>(faults.size()));
   for (const auto& cloud : player.clouds) EXPECT_LT(worstPoint(*cloud), 0.001);
@@ -229,7 +229,7 @@ TEST(TiltScanDriver, aSweepIsClosedOnRequest) {
   EXPECT_TRUE(service.response.success) << service.response.message;
   // What an earlier test left open may come out before.
   const auto now = [&] { return !player.images.empty() && player.images.back()->header.stamp.toSec() > start; };
-  ASSERT_TRUE(ScanPlayer::waitFor(now));
+  ASSERT_TRUE(waitFor(now));
   EXPECT_NEAR(player.images.back()->height, 40, 2);
   EXPECT_EQ(service.response.message, "sweep of " + std::to_string(player.images.back()->height) + " lines closed");
   ASSERT_TRUE(ros::service::call("/nod/close_sweep", service));
@@ -244,7 +244,7 @@ TEST(TiltScanDriver, anIdleSweepIsPublished) {
   player.play(start, start + 1.0);
   const auto now = [&] { return !player.images.empty() && player.images.back()->header.stamp.toSec() > start; };
   EXPECT_FALSE(now());
-  ASSERT_TRUE(ScanPlayer::waitFor(now, 6.0));
+  ASSERT_TRUE(waitFor(now, 6.0));
   EXPECT_NEAR(player.images.back()->height, 40, 2);
 }
 
@@ -255,9 +255,9 @@ TEST(TiltScanDriver, diagnosticsTellOfAStandingTiltAndOfSilence) {
   player.tilt = [](double) { return 0.3; };
   ASSERT_TRUE(player.connect());
   player.play(start, start + 5.0);
-  ASSERT_TRUE(ScanPlayer::waitFor([&] { return player.diagnostics.message.find("tilt stands still") != std::string::npos; }))
+  ASSERT_TRUE(waitFor([&] { return player.diagnostics.message.find("tilt stands still") != std::string::npos; }))
       << player.diagnostics.message;
-  ASSERT_TRUE(ScanPlayer::waitFor([&] { return player.diagnostics.level == diagnostic_msgs::DiagnosticStatus::ERROR; }));
+  ASSERT_TRUE(waitFor([&] { return player.diagnostics.level == diagnostic_msgs::DiagnosticStatus::ERROR; }));
   EXPECT_GE(player.diagnosed("Lines dropped: tilt standing"), 150.0);
   EXPECT_NE(player.diagnostics.message.find("no scans"), std::string::npos) << player.diagnostics.message;
   EXPECT_EQ(player.diagnosed("Lines in"),
@@ -274,10 +274,10 @@ TEST(TiltScanDriver, aLoopingBagStartsAgain) {
   const double start = kBase + 700.0;
   ASSERT_TRUE(player.connect());
   player.play(start, start + 3.0);
-  ASSERT_TRUE(ScanPlayer::waitFor([&] { return !player.clouds.empty(); }));
+  ASSERT_TRUE(waitFor([&] { return !player.clouds.empty(); }));
   const std::size_t before = player.clouds.size();
   player.play(start, start + 3.0);
-  ASSERT_TRUE(ScanPlayer::waitFor([&] { return player.clouds.size() > before; }));
+  ASSERT_TRUE(waitFor([&] { return player.clouds.size() > before; }));
   for (const auto& cloud : player.clouds) EXPECT_LT(worstPoint(*cloud), 0.001);
   ASSERT_TRUE(player.freshDiagnostics());
   EXPECT_GE(player.diagnosed("Clock resets"), 1.0);
@@ -315,7 +315,7 @@ TEST(TiltScanDriver, badJointMessagesAreCountedAndMoveNoRow) {
   message.position.clear();
   player.publishJoint(message);
   player.play(start + 1.0, start + 4.4);
-  ASSERT_TRUE(ScanPlayer::waitFor([&] { return player.clouds.size() >= 2; }));
+  ASSERT_TRUE(waitFor([&] { return player.clouds.size() >= 2; }));
   for (const auto& cloud : player.clouds) EXPECT_LT(worstPoint(*cloud), 0.001);
   ASSERT_TRUE(player.freshDiagnostics());
   const std::vector<double> after = counts();
@@ -336,7 +336,7 @@ TEST(TiltScanDriver, aChangeOfTheBeamCountStartsANewSweep) {
   player.beams = 61;
   player.play(start + 0.8, start + 2.4);
   const auto now = [&] { return !player.images.empty() && player.images.back()->width == 61; };
-  ASSERT_TRUE(ScanPlayer::waitFor(now));
+  ASSERT_TRUE(waitFor(now));
   ASSERT_GE(player.images.size(), 2U);
   const RangeImageMsg& first = *player.images[player.images.size() - 2];
   EXPECT_EQ(first.width, 121U);
@@ -360,7 +360,7 @@ TEST(TiltScanDriver, aBadParameterIsNamedAndTheDriverRefuses) {
 
 TEST(TiltScanDriver, aMisspeltParameterIsReportedByName) {
   ScanPlayer player("/nod");
-  ASSERT_TRUE(ScanPlayer::waitFor([&] { return !player.diagnostics.values.empty(); }));
+  ASSERT_TRUE(waitFor([&] { return !player.diagnostics.values.empty(); }));
   std::string reported;
   for (const auto& value : player.diagnostics.values) {
     if (value.key == "Unknown parameters") reported = value.value;

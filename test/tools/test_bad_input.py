@@ -3,12 +3,17 @@
 """Bad input to the ppc tool: one line that names file and cause, exit status 1, and no output half written.
 Usage: test_bad_input.py PPC_EXECUTABLE"""
 import json
+import math
 import os
 import random
 import resource
 import signal
 import subprocess
 import unittest
+
+import rosbag
+import rospy
+from std_msgs.msg import String
 
 from test_ppc import COLS, PPC, ROWS, WithFolder, ppc, wall, write_pcd
 
@@ -125,6 +130,73 @@ class Bags(WithFolder):
         only_new = self.folder / "new.bag"
         self.assertEqual(ppc("bag", self.bag, only_new, "--only-new").returncode, 0)
         self.assert_fails(ppc("segment", only_new), "new.bag", "sensor_msgs/LaserScan")
+
+    def spoilt(self, name, spoil):
+        """The bag with `spoil(n, message)` done to the n-th scan or joint message; it returns the messages to write."""
+        path, count = self.folder / name, {}
+        with rosbag.Bag(str(self.bag)) as source, rosbag.Bag(str(path), "w") as out:
+            for topic, message, stamp in source.read_messages():
+                count[topic] = count.get(topic, -1) + 1
+                for each in spoil(topic, count[topic], message):
+                    out.write(topic, each, stamp)
+        return path
+
+    def test_lines_that_are_left_out_are_told_with_the_cause(self):
+        def no_increment(topic, n, message):
+            if topic == "/scan" and n % 3 == 0:
+                message.angle_increment = math.nan
+            return [message]
+
+        def no_limit(topic, n, message):
+            if topic == "/scan":
+                message.range_max = 0.0
+            return [message]
+
+        def incomplete(topic, _, message):
+            if topic == "/joint_states":
+                message.name = list(message.name) + ["other_joint"]
+            return [message]
+
+        def in_words(topic, _, message):
+            return [String("a scan")] if topic == "/scan" else [message]
+
+        run = ppc("bag", self.spoilt("increment.bag", no_increment), self.folder / "out.bag", "--only-new", "--min-lines", 5)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertIn("10 bad scan (angle_increment is not finite (nan))", run.stderr)
+        self.assert_fails(ppc("segment", self.spoilt("limit.bag", no_limit)), "limit.bag", "no sweep in 30 lines",
+                          "30 bad scan (range_max does not exceed range_min, or is NaN (0))")
+        self.assert_fails(ppc("segment", self.spoilt("joint.bag", incomplete)), "joint.bag", "no sweep in 30 lines",
+                          "as many joint positions as names expected (1 and 2)")
+        words = self.spoilt("words.bag", in_words)
+        self.assert_fails(ppc("segment", words), "words.bag", "has no sensor_msgs/LaserScan topic")
+        self.assert_fails(ppc("segment", words, "--scan", "/scan"), "/scan is of type std_msgs/String")
+
+    def test_sweeps_of_odd_recordings(self):
+        def wrapped(topic, _, message):
+            if topic == "/joint_states":
+                message.position = [math.remainder(message.position[0] + math.pi, 2.0 * math.pi)]
+            return [message]
+
+        def fewer_beams(topic, n, message):
+            if topic == "/scan" and n >= 15:
+                message.ranges = message.ranges[:300]
+                message.intensities = message.intensities[:300]
+                message.angle_max = message.angle_min + 299 * message.angle_increment
+            return [message]
+
+        def far_future(topic, n, message):
+            if topic == "/scan" and n % 10 == 5:
+                message.header.stamp = rospy.Time(4294967295, 999999999)
+            return [message]
+
+        for spoil, sizes in ((wrapped, [(30, 682)]), (fewer_beams, [(15, 682), (15, 300)]), (far_future, [(27, 682)])):
+            with self.subTest(spoil.__name__):
+                run = ppc("segment", self.spoilt(spoil.__name__ + ".bag", spoil))
+                self.assertEqual(run.returncode, 0, run.stderr)
+                images = [json.loads(line) for line in run.stdout.splitlines()]
+                self.assertEqual([image["cols"] for image in images], [cols for _, cols in sizes])
+                for image, (rows, _) in zip(images, sizes):
+                    self.assertAlmostEqual(image["rows"], rows, delta=1)
 
     def test_outputs_that_cannot_be(self):
         (self.folder / "folder.bag").mkdir()

@@ -6,6 +6,7 @@
 #include "files.h"
 #include "patch_plane_clustering/core/tilt_pose_source.h"
 #include "patch_plane_clustering/ros/joint_sample.h"
+#include "patch_plane_clustering/ros/publisher_watch.h"
 #include "patch_plane_clustering/ros/range_image_conversions.h"
 
 #include <rosbag/bag.h>
@@ -23,42 +24,91 @@ SweepMotion motionNamed(const std::string& name) {
   return name == "nodding" ? SweepMotion::kNodding : name == "half_turn" ? SweepMotion::kHalfTurn : SweepMotion::kFullTurn;
 }
 
+// The first of its kind, to be told once.
+struct FirstFaults {
+  std::string scan, joint;
+};
+
+void note(std::string& first, const std::string& fault) {
+  if (first.empty()) first = fault;
+}
+
+std::string secondPublisher(PublisherWatch& watch, const rosbag::MessageInstance& message) {
+  const std::string name = message.getCallerId();
+  if (watch.accepts(name, message.getTime().toSec(), 2)) return {};
+  return message.getTopic() + " is published by " + name + " too, but that of " + watch.kept() + " is used";
+}
+
+// "3 bad scan (stamp is not set (0)), 20 no tilt (joint sample without stamp)"; empty if no line was lost without reason.
+std::string lossesOf(const LineAccounts& accounts, const FirstFaults& faults) {
+  std::string losses;
+  const auto add = [&](std::uint64_t lines, const std::string& what, const std::string& fault) {
+    if (lines == 0) return;
+    losses += (losses.empty() ? "" : ", ") + std::to_string(lines) + " " + what + (fault.empty() ? "" : " (" + fault + ")");
+  };
+  for (std::size_t i = 0; i < kDropCauses; ++i) {
+    const auto cause = static_cast<DropCause>(i);
+    const bool of_joint = cause == DropCause::kNoTilt || cause == DropCause::kTiltGap;
+    add(accounts.dropped[i], dropCauseName(cause),
+        cause == DropCause::kBadScan ? faults.scan
+        : of_joint                   ? faults.joint
+                                     : "");
+  }
+  add(accounts.pending, "without tilt to the end", faults.joint);
+  return losses;
+}
+
 LineAccounts assemble(const rosbag::Bag& bag, const BagTilt& tilt, const BagOptions& options,
                       const std::function<void(const rosbag::MessageInstance&)>& on_message,
-                      const std::function<void(BagSweep&&)>& on_sweep, const std::function<void(double)>& on_progress) {
+                      const std::function<void(BagSweep&&)>& on_sweep, const std::function<void(double)>& on_progress,
+                      FirstFaults& faults) {
   TiltPoseSource poses(tiltAxis(options.axis), TiltTrackOptions{});
   poses.setMount(tilt.mount);
   SweepOptions sweep_options = options.sweep;
   sweep_options.motion = motionNamed(options.motion);
   ros::Time now;
   SweepAssembler assembler(sweep_options, poses, [&](Sweep&& sweep) { on_sweep({std::move(sweep), tilt.base_frame, now}); });
+  PublisherWatch scan_publishers, joint_publishers;
+
+  const auto onJoint = [&](const rosbag::MessageInstance& message) {
+    const auto joints = messageOf<sensor_msgs::JointState>(message);
+    if (!joints) return;
+    JointSample sample = readJointSample(*joints, tilt.joint);
+    if (!sample.present) return;
+    if (sample.fault.empty()) sample.fault = secondPublisher(joint_publishers, message);
+    if (!sample.fault.empty()) return note(faults.joint, sample.fault);
+    poses.track().add(sample.stamp, sample.angle);
+    assembler.process();
+  };
 
   auto next_tilt = tilt.tilts.begin();
+  const auto onScan = [&](const rosbag::MessageInstance& message) {
+    const auto scan = messageOf<sensor_msgs::LaserScan>(message);
+    if (!scan) return;
+    ScanLine line = toScanLine(*scan, options.time_offset);
+    // All of /tf was read beforehand: samples up to the end of the line, and one that brackets it.
+    for (bool bracketed = false; next_tilt != tilt.tilts.end() && !bracketed; ++next_tilt) {
+      bracketed = next_tilt->first > line.lastStamp();
+      poses.track().add(next_tilt->first, next_tilt->second);
+    }
+    std::string fault = secondPublisher(scan_publishers, message);
+    if (fault.empty()) fault = faultOf(*scan, tilt.laser_frame);
+    if (!fault.empty()) {
+      assembler.countDropped(DropCause::kBadScan);
+    } else {
+      fault = assembler.push(std::move(line));
+    }
+    if (!fault.empty()) note(faults.scan, fault);
+  };
+
   rosbag::View view(bag);
   const double messages = view.size();
   double read = 0.0;
   for (const rosbag::MessageInstance& message : view) {
     now = message.getTime();
     if (on_message) on_message(message);
-    if (message.getTopic() == tilt.joint_states) {
-      if (const auto joints = messageOf<sensor_msgs::JointState>(message)) {
-        const JointSample sample = readJointSample(*joints, tilt.joint);
-        if (sample.present && sample.fault.empty()) poses.track().add(sample.stamp, sample.angle);
-        assembler.process();
-      }
-    } else if (message.getTopic() == tilt.scan) {
-      if (const auto scan = messageOf<sensor_msgs::LaserScan>(message)) {
-        ScanLine line = toScanLine(*scan, options.time_offset);
-        // All of /tf was read beforehand: samples up to the end of the line, and one that brackets it.
-        for (bool bracketed = false; next_tilt != tilt.tilts.end() && !bracketed; ++next_tilt) {
-          bracketed = next_tilt->first > line.lastStamp();
-          poses.track().add(next_tilt->first, next_tilt->second);
-        }
-        const std::string fault = faultOf(*scan, tilt.laser_frame);
-        if (!fault.empty()) assembler.countDropped(DropCause::kBadScan);
-        if (fault.empty()) assembler.push(std::move(line));
-      }
-    }
+    if (message.getTopic() == tilt.joint_states) onJoint(message);
+    if (message.getTopic() == tilt.scan) onScan(message);
     if (on_progress) on_progress(++read / messages);
   }
   assembler.process();
@@ -109,22 +159,22 @@ LineAccounts readSweeps(const std::string& path, const BagOptions& options,
   } catch (const std::exception& error) {
     throw std::runtime_error(path + ": " + error.what());
   }
-  if (!tilt.note.empty()) std::fprintf(stderr, "%s: %s\n", path.c_str(), tilt.note.c_str());
   LineAccounts accounts;
+  FirstFaults faults;
   try {
-    accounts = assemble(bag, tilt, options, on_message, on_sweep, on_progress);
+    accounts = assemble(bag, tilt, options, on_message, on_sweep, on_progress, faults);
   } catch (const rosbag::BagException& error) {
     throw std::runtime_error(path + ": is damaged (" + error.what() + ")");
   } catch (const DamagedMessage& error) {
     throw std::runtime_error(path + ": " + error.what());
   }
-  if (accounts.sweeps == 0) {
-    std::string cause = path + ": no sweep in " + std::to_string(accounts.lines_in) + " lines";
-    for (std::size_t i = 0; i < kDropCauses; ++i) {
-      if (accounts.dropped[i] == 0) continue;
-      cause += "; " + std::to_string(accounts.dropped[i]) + " " + dropCauseName(static_cast<DropCause>(i));
-    }
-    throw std::runtime_error(cause);
+  const std::string losses = lossesOf(accounts, faults);
+  const std::string lines = std::to_string(accounts.lines_in) + " lines" + (losses.empty() ? "" : ": " + losses);
+  if (accounts.sweeps == 0) throw std::runtime_error(path + ": no sweep in " + lines);
+  if (!tilt.note.empty()) std::fprintf(stderr, "%s: %s\n", path.c_str(), tilt.note.c_str());
+  if (!losses.empty()) {
+    std::fprintf(stderr, "%s: %llu rows of %s\n", path.c_str(), static_cast<unsigned long long>(accounts.lines_in_images),
+                 lines.c_str());
   }
   return accounts;
 }
