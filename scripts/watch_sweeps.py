@@ -116,7 +116,7 @@ class Watcher:
         line = (f"sweep {len(self.done)}: {numbers.height} x {numbers.width} beams, {numbers.regions} planes, "
                 f"{numbers.polygons} polygons, {numbers.planar_points} points -> {numbers.vertices} vertices "
                 f"(compression {numbers.compression:.0f})")
-        print(f"{line}, {numbers.total_milliseconds:.1f} ms ({stages}), {memory:.0f} MB", flush=True)
+        print(f"{line}, {numbers.processor_milliseconds:.1f} ms of one core, {numbers.total_milliseconds:.1f} ms in all ({stages}), {memory:.0f} MB", flush=True)
         if self.options.picture:
             number = f"-{len(self.done) - 1:04d}" if self.options.keep else ""
             path = number.join(os.path.splitext(self.options.picture))
@@ -135,7 +135,9 @@ class Watcher:
         if not self.done:
             return
         times = [numbers.total_milliseconds for numbers in self.done]
-        print(f"time a sweep, message in to polygons out: median {statistics.median(times):.1f} ms, longest {max(times):.1f} ms")
+        work = [numbers.processor_milliseconds for numbers in self.done]
+        print(f"plane clustering a sweep, message in to polygons out: median {statistics.median(work):.1f} ms of one core; "
+              f"{statistics.median(times):.1f} ms by the clock beside all else that runs here, longest {max(times):.1f} ms")
         lines = sum(numbers.height for numbers in self.done[1:])
         try:
             cpu = self.manager.cpu_seconds() - self.cpu_start

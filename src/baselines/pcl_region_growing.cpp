@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "methods.h"
+#include "patch_plane_clustering/core/stage_timer.h"
 #include "pcl_cloud.h"
-#include "stage_timer.h"
 
 #include <pcl/search/kdtree.h>
 #include <pcl/segmentation/region_growing.h>

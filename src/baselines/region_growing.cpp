@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "local_fits.h"
 #include "methods.h"
-#include "stage_timer.h"
+#include "patch_plane_clustering/core/stage_timer.h"
 
 #include <algorithm>
 #include <cmath>

@@ -9,26 +9,13 @@
 #include "patch_plane_clustering/core/refinement.h"
 #include "patch_plane_clustering/core/region_merging.h"
 #include "patch_plane_clustering/core/region_statistics.h"
+#include "patch_plane_clustering/core/stage_timer.h"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 namespace ppc {
 namespace {
-
-class Stopwatch {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double ms = std::chrono::duration<double, std::milli>(now - start_).count();
-    start_ = now;
-    return ms;
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 PatchComparison comparisonOf(const Config& config) { return {config.running_plane, config.noise_aware}; }
 
@@ -68,15 +55,12 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vecto
 
 LabelImage clusterPatches(const BeamGrid& grid, const Config& config, ClusteringMemory& memory,
                           std::vector<StageTime>* stages) {
-  Stopwatch watch;
-  const auto lap = [&](const char* stage) {
-    if (stages != nullptr) stages->emplace_back(stage, watch.lap());
-  };
+  StageTimer timer(stages);
   PatchGrid& patches = memory.patches;
   memory.steps = config.equal_angle ? measureSteps(grid) : AngularSteps();
   makePatchGrid(grid, std::min(config.patch_size, std::max(grid.rows, grid.cols)), memory.steps, nullptr, config.threads,
                 patches);
-  lap("moments");
+  timer.lap("moments");
 
   const NoiseModel noise = config.noise_scale > 0.0 ? NoiseModel(config.sensor, config.noise_scale)
                                                     : NoiseModel::estimate(patches, config.sensor);
@@ -85,12 +69,12 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, Clustering
   gatePatches(noise, tolerance, patches);
   if (config.noise_aware) tolerance.inflation = estimateInflation(patches);
   gatePatches(noise, tolerance, patches);
-  lap("fits");
+  timer.lap("fits");
 
   growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config), memory.growth, memory.clusters);
   LabelImage labels;
   patchLabels(grid, patches, memory.clusters, labels);
-  lap("clustering");
+  timer.lap("clustering");
   CellShares& shares = memory.shares;
   std::vector<char>& changed = memory.changed;
   const auto update = [&] {
@@ -104,23 +88,23 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, Clustering
   };
   shareClusters(patches, memory.clusters.cluster_of, shares);
   merge();
-  if (config.merge) lap("merging");
+  if (config.merge) timer.lap("merging");
   if (config.refine) {
     refine(1);
-    lap("refinement");
+    timer.lap("refinement");
     if (config.second_pass) {
       const std::int32_t first_new = addSmallRegions(grid, noise, tolerance, config, memory, labels);
       update();
       refine(first_new);
       update();
       merge();
-      lap("second pass");
+      timer.lap("second pass");
     }
   }
   splitComponents(2 * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols), 2, labels);
-  lap("components");
+  timer.lap("components");
   dropCurvedRegions(grid, noise, tolerance, config.max_turn, labels, config.threads);
-  lap("curvature");
+  timer.lap("curvature");
   return labels;
 }
 
@@ -132,14 +116,14 @@ Segmentation segment(const BeamGrid& grid, const Config& config) {
 
 Segmentation finishSegmentation(const BeamGrid& grid, LabelImage labels, const Config& config,
                                 std::vector<StageTime> stages) {
-  Stopwatch watch;
   Segmentation result;
   result.stages = std::move(stages);
+  StageTimer timer(&result.stages);
   renumberBySize(grid, config.min_size, labels);
   result.regions = describeRegions(grid, labels, config.threads);
-  result.stages.emplace_back("statistics", watch.lap());
+  timer.lap("statistics");
   result.polygons = extractPolygons(grid, labels, result.regions, config.polygons);
-  result.stages.emplace_back("polygons", watch.lap());
+  timer.lap("polygons");
   for (int i = 0; i < grid.size(); ++i) result.valid_points += grid.valid(i) ? 1 : 0;
   for (const PlanarRegion& region : result.regions) {
     bool found = false;

@@ -4,6 +4,7 @@
 #include "patch_plane_clustering/ros/markers.h"
 #include "patch_plane_clustering/ros/newest_worker.h"
 #include "patch_plane_clustering/ros/parameters.h"
+#include "patch_plane_clustering/ros/processor_time.h"
 #include "patch_plane_clustering/ros/range_image_conversions.h"
 #include "patch_plane_clustering/ros/reconfiguration.h"
 #include "patch_plane_clustering/ros/segmentation_conversions.h"
@@ -136,6 +137,7 @@ class PatchPlaneClustering : public nodelet::Nodelet {
     try {
       const auto config = this->config();
       const auto start = Clock::now();
+      processor_start_ = threadProcessorMilliseconds();
       const BeamGrid& grid = readGrid(arrival);
       if (method_name_ == "ppc" && std::min(grid.rows, grid.cols) < config->patch_size) {
         throw std::invalid_argument("patch_size = " + std::to_string(config->patch_size) + " is larger than the image (" +
@@ -166,11 +168,13 @@ class PatchPlaneClustering : public nodelet::Nodelet {
     const std_msgs::Header& header = arrival.header();
     publishAs(polygons_publisher_, toPolygonArray(segmentation, header));
     const double total = millisecondsSince(arrival.time);
+    const double processor = threadProcessorMilliseconds() - processor_start_;
     accounts_.segment(total);
     if (statistics_publisher_.getNumSubscribers() > 0) {
       SegmentationStatistics statistics = toStatistics(segmentation, header);
       statistics.method = method_name_;
       statistics.total_milliseconds = static_cast<float>(total);
+      statistics.processor_milliseconds = static_cast<float>(processor);
       const ImageCounts counts = accounts_.counts();
       statistics.images_received = counts.received;
       statistics.images_skipped = counts.skipped();
@@ -207,6 +211,7 @@ class PatchPlaneClustering : public nodelet::Nodelet {
   std::unique_ptr<PlaneSegmenter> method_;  // of the worker's thread
   RangeImage image_;  // of the worker's thread, like the grid: their memory serves the next message too
   BeamGrid grid_;
+  double processor_start_ = 0.0;  // of the worker's thread, when it took up the message [ms]
   mutable std::mutex config_mutex_;
   std::shared_ptr<const Config> config_;
   boost::recursive_mutex server_mutex_;

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 #include <algorithm>
+#include <array>
 
 namespace ppc {
 namespace {
@@ -321,6 +322,22 @@ TEST(Segmenter, DropsRegionsBelowTheMinimumSize) {
   const Segmentation one = segment(grid, config);
   EXPECT_EQ(one.regions.size(), 1U);
   EXPECT_EQ(countOf(one.labels, 2), 0);
+}
+
+// Images of other sizes and with other settings in between leave nothing behind.
+TEST(Segmenter, MemoryOfOneImageDoesNotChangeTheNext) {
+  ClusteringMemory memory;
+  for (const auto& [rows, cols, patch_size] :
+       std::vector<std::array<int, 3>>{{120, 160, 4}, {200, 240, 4}, {200, 240, 6}, {7, 9, 4}, {1, 50, 3}, {120, 160, 4}}) {
+    BeamGrid grid = forwardBeams(rows, cols, 0.004);
+    scan({wall({-1.0, 0.1, 0.0}, -3.0), wall({0.0, -1.0, 0.0}, -0.3), wall({0.0, 0.0, 1.0}, -0.2)}, grid);
+    addNoise(grid, 0.01);
+    Config config;
+    config.patch_size = patch_size;
+    config.threads = patch_size == 6 ? 2 : 1;
+    EXPECT_EQ(clusterPatches(grid, config, memory, nullptr).labels, clusterPatches(grid, config).labels)
+        << rows << " x " << cols;
+  }
 }
 
 // Bit for bit: labels, planes, covariances, polygons.

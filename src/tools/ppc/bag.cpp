@@ -5,6 +5,7 @@
 #include "method_options.h"
 #include "output_bag.h"
 #include "patch_plane_clustering/baselines/plane_segmenter.h"
+#include "patch_plane_clustering/ros/processor_time.h"
 #include "patch_plane_clustering/ros/range_image_conversions.h"
 #include "patch_plane_clustering/ros/segmentation_conversions.h"
 #include "result_files.h"
@@ -56,6 +57,7 @@ class Writer {
     header.stamp = toTime(bag.sweep.stamp);
     header.frame_id = bag.frame_id;
     const auto start = std::chrono::steady_clock::now();
+    const double processor_start = threadProcessorMilliseconds();
     // As the nodelet gets it: poses are rounded on their way through a message, and results shall be the same to the bit.
     const RangeImageMsg image = toMessage(bag.sweep, header);
     const BeamGrid grid = toBeamGrid(fromMessage(image));
@@ -64,6 +66,7 @@ class Writer {
     statistics.method = options_.method.method;
     statistics.total_milliseconds =
         static_cast<float>(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    statistics.processor_milliseconds = static_cast<float>(threadProcessorMilliseconds() - processor_start);
     statistics.images_received = static_cast<std::uint32_t>(index_ + 1);
     statistics.lines = image.lines;
 
