@@ -53,11 +53,12 @@ void addConversion(const std::string& name, const Make& make) {
 
 void addMessages() {
   add("range image in, polygons out", [](const Segmented& s, std::vector<StageTime>& stages) {
-    static RangeImage image;  // the nodelet keeps both, too
+    static RangeImage image;  // the nodelet keeps all three, too
     static BeamGrid grid;
+    static ClusteringMemory memory;
     fromMessage(s.message, image);
     toBeamGrid(image, grid);
-    const Segmentation segmentation = segment(grid, Config());
+    const Segmentation segmentation = segment(grid, Config(), memory);
     const PlanarPolygonArray polygons = toPolygonArray(segmentation, s.message.header);
     benchmark::DoNotOptimize(polygons.polygons.data());
     stages.insert(stages.end(), segmentation.stages.begin(), segmentation.stages.end());

@@ -1,25 +1,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/segmenter.h"
+#include "patch_plane_clustering/core/stage_timer.h"
 
 #include "cases.h"
 #include "floor_cases.h"
 #include "measure.h"
 #include "workload.h"
 
-#include <chrono>
 #include <memory>
 #include <string>
 
 namespace ppc::bench {
 namespace {
 
+// What the nodelet keeps from one image to the next.
+struct Memory {
+  BeamGrid grid;
+  ClusteringMemory clustering;
+};
+
 // Adds the time of making the grid to the stages.
 template <typename Make>
-BeamGrid timedGrid(const Make& make, std::vector<StageTime>& stages) {
-  const auto start = std::chrono::steady_clock::now();
-  BeamGrid grid = make();
-  stages.emplace_back("grid", std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
-  return grid;
+const BeamGrid& timedGrid(const Make& make, const Memory& memory, std::vector<StageTime>& stages) {
+  StageTimer timer(&stages);
+  make();
+  timer.lap("grid");
+  return memory.grid;
 }
 
 void keepStages(Segmentation segmentation, std::vector<StageTime>& stages) {
@@ -29,25 +35,26 @@ void keepStages(Segmentation segmentation, std::vector<StageTime>& stages) {
 
 Frame labelsFrame(int points) {
   const RangeImage& image = officeImage(points);
-  return [&image](std::vector<StageTime>& stages) {
-    const BeamGrid grid = timedGrid([&] { return toBeamGrid(image); }, stages);
-    LabelImage labels = clusterPatches(grid, Config(), &stages);
+  return [&image, memory = std::make_shared<Memory>()](std::vector<StageTime>& stages) {
+    const BeamGrid& grid = timedGrid([&] { toBeamGrid(image, memory->grid); }, *memory, stages);
+    LabelImage labels = clusterPatches(grid, Config(), memory->clustering, &stages);
     benchmark::DoNotOptimize(labels.labels.data());
   };
 }
 
 Frame polygonsFrame(int points) {
   const RangeImage& image = officeImage(points);
-  return [&image](std::vector<StageTime>& stages) {
-    keepStages(segment(timedGrid([&] { return toBeamGrid(image); }, stages), Config()), stages);
+  return [&image, memory = std::make_shared<Memory>()](std::vector<StageTime>& stages) {
+    const BeamGrid& grid = timedGrid([&] { toBeamGrid(image, memory->grid); }, *memory, stages);
+    keepStages(segment(grid, Config(), memory->clustering), stages);
   };
 }
 
 Frame cloudFrame(int points) {
   const auto cloud = std::make_shared<const Cloud>(cloudOf(toBeamGrid(officeImage(points))));
-  return [cloud](std::vector<StageTime>& stages) {
-    const auto make = [&] { return beamGridFromPoints(cloud->rows, cloud->cols, cloud->x, cloud->y, cloud->z); };
-    keepStages(segment(timedGrid(make, stages), Config()), stages);
+  return [cloud, memory = std::make_shared<Memory>()](std::vector<StageTime>& stages) {
+    const auto make = [&] { memory->grid = beamGridFromPoints(cloud->rows, cloud->cols, cloud->x, cloud->y, cloud->z); };
+    keepStages(segment(timedGrid(make, *memory, stages), Config(), memory->clustering), stages);
   };
 }
 

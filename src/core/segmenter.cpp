@@ -109,8 +109,13 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, Clustering
 }
 
 Segmentation segment(const BeamGrid& grid, const Config& config) {
+  ClusteringMemory memory;
+  return segment(grid, config, memory);
+}
+
+Segmentation segment(const BeamGrid& grid, const Config& config, ClusteringMemory& memory) {
   std::vector<StageTime> stages;
-  LabelImage labels = clusterPatches(grid, config, &stages);
+  LabelImage labels = clusterPatches(grid, config, memory, &stages);
   return finishSegmentation(grid, std::move(labels), config, std::move(stages));
 }
 

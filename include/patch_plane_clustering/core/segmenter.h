@@ -30,6 +30,7 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, Clustering
 
 /// @brief The whole pipeline: labels, region statistics, polygons.
 Segmentation segment(const BeamGrid& grid, const Config& config);
+Segmentation segment(const BeamGrid& grid, const Config& config, ClusteringMemory& memory);
 
 /// @brief The steps that every method shares once it has labels: small regions dropped, ids by size, planes, polygons.
 Segmentation finishSegmentation(const BeamGrid& grid, LabelImage labels, const Config& config,
