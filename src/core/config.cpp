@@ -55,6 +55,8 @@ std::vector<ConfigField> makeFields() {
                 "the same in pixels across the edge, the larger applies: removes the staircase of the pixels [pixels]"),
       PPC_FIELD("min_hole_size", Type::kInt, 1, 1000000, polygons.min_hole_size,
                 "holes of fewer pixels are filled, specks left out [pixels]"),
+      PPC_FIELD("snap_creases", Type::kBool, 0, 1, polygons.snap_creases,
+                "move vertices along the common line of two neighbouring planes onto it"),
       PPC_FIELD("threads", Type::kInt, 1, 64, threads, "worker threads; the result does not depend on them [1]"),
   };
 }

@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/contours.h"
 #include "patch_plane_clustering/core/corner_projection.h"
+#include "patch_plane_clustering/core/crease_snapping.h"
 #include "patch_plane_clustering/core/polygon_piece.h"
 #include "patch_plane_clustering/core/ring_loops.h"
 #include "patch_plane_clustering/core/ring_simplification.h"
@@ -172,6 +173,10 @@ std::vector<PlanarPolygon> extractPolygons(const BeamGrid& grid, const LabelImag
       if (first || piece->front().pixels >= options.min_hole_size) outliner.add(contours.corners, *piece, 0);
     }
     outliner.moveTo(region.id, polygons);
+  }
+  if (options.snap_creases) {
+    snapCreases(grid, labels, regions, std::max(0.0, options.simplification_tolerance),
+                std::max(0.0, options.pixel_tolerance), polygons);
   }
   return polygons;
 }

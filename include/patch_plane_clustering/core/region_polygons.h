@@ -11,9 +11,10 @@ namespace ppc {
 struct PolygonOptions {
   double simplification_tolerance = 0.02;  ///< largest distance between the outline and its simplification [m]; 0 = keep all
   double pixel_tolerance =
-      1.0;                 ///< the same in pixels, across the edge; the larger of the two applies. Removes the staircase
-                           ///< of the pixels, which is no edge of the scene; 0 = the tolerance in metres alone
-  int min_hole_size = 20;  ///< holes of fewer pixels than this are filled, detached specks of fewer left out
+      1.0;                    ///< the same in pixels, across the edge; the larger of the two applies. Removes the staircase
+                              ///< of the pixels, which is no edge of the scene; 0 = the tolerance in metres alone
+  int min_hole_size = 20;     ///< holes of fewer pixels than this are filled, detached specks of fewer left out
+  bool snap_creases = false;  ///< vertices along the common line of two neighbouring planes are moved onto it
 };
 
 /// @brief Outlines of the labelled regions as polygons with holes on their planes.
