@@ -227,7 +227,8 @@ int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels) {
   std::int32_t* const pixels = labels.labels.data();
   for (int i = 0, n = grid.size(); i < n; ++i) {  // without branches, so that it becomes vector code
     const std::int32_t label = pixels[i];
-    pixels[i] = (ranges[i] > 0.0F) & (label > 0) ? label : 0;
+    const bool kept = (ranges[i] > 0.0F) & (label > 0);
+    pixels[i] = kept ? label : 0;
   }
   const std::int32_t highest = highestLabel(labels);
   std::vector<int> count(static_cast<std::size_t>(highest) + 1, 0);
