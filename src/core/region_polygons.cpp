@@ -110,9 +110,9 @@ class RegionOutliner {
 
   std::optional<PolygonPiece> makePieceWithoutLoops(std::vector<std::vector<OutlinePoint>>& outlines) const {
     const double area = std::abs(signedArea(outlines.front().data(), outlines.front().size()));
-    bool cut = false;
-    for (auto& outline : outlines) cut |= cutLoops(outline, kLoopShare * area);
-    if (!cut) return std::nullopt;
+    bool shorter = false;
+    for (auto& outline : outlines) shorter |= cutLoops(outline, kLoopShare * area);
+    if (!shorter) return std::nullopt;
     return makePiece(outlines, tolerance_);
   }
 
