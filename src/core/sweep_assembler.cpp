@@ -217,15 +217,15 @@ bool SweepAssembler::followStanding(double tilt) {
 
 void SweepAssembler::add(PlacedLine placed) {
   if (!open_.empty()) {
-    if (!sameLayout(open_.back().line, placed.line)) {
+    const ScanLine& last = open_.back().line;
+    const bool paused = placed.line.stamp - last.stamp > options_.max_line_gap;
+    if (!sameLayout(last, placed.line)) {
       ++accounts_.layout_changes;
       close(SweepEnd::kLayoutChange);
-    } else if (cut_) {
+    } else if (cut_ || (!paused && poses_.jumpedBetween(last.stamp, placed.line.stamp))) {
       close(SweepEnd::kTiltJump);
-    } else if (placed.line.stamp - open_.back().line.stamp > options_.max_line_gap) {
+    } else if (paused) {
       close(SweepEnd::kLineGap);
-    } else if (poses_.jumpedBetween(open_.back().line.stamp, placed.line.stamp)) {
-      close(SweepEnd::kTiltJump);
     }
   }
   if (open_.empty()) restart();

@@ -24,6 +24,9 @@ namespace ppc {
 /// the node's clock from the start. Private parameters: SimulatedScannerParameters. A wrong one keeps the nodelet from
 /// loading, with a message that names it.
 class SimulatedScanner : public nodelet::Nodelet {
+ public:
+  ~SimulatedScanner() override { timer_.stop(); }  // waits for a tick in flight, which uses all the rest
+
  private:
   void onInit() override {
     try {
