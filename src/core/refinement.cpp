@@ -13,11 +13,10 @@
 namespace ppc {
 namespace {
 
-constexpr float kCap = 9.0F;              // squared residual beyond which a point is an outlier: three sigma
-constexpr float kMaxWindowCost = 5.0F;    // mean capped cost over the window that a plane may have
-constexpr float kMaxOwnResidual = 12.0F;  // squared residual of the point itself
-constexpr float kMaxFarResidual = 36.0F;  // the same amid points that lie on the plane
-constexpr float kSureWindowCost = 2.5F;   // mean capped cost of a window amid such points, the point itself included
+constexpr float kCap = 9.0F;                // squared residual beyond which a point is an outlier: three sigma
+constexpr float kMaxWindowCost = 5.0F;      // mean capped cost over the window that a plane may have
+constexpr float kMaxOwnResidual = 12.0F;    // squared residual of the point itself
+constexpr float kMaxInnerResidual = 36.0F;  // the same amid a region, where nothing else competes for it
 
 // Squared residuals of the pixels of a cell against one plane, in units of their variance. The tolerance's share of the
 // variance changes little over a cell: it is taken at one pixel.
@@ -174,7 +173,7 @@ class PatchResolver {
       for (int c = cell.col_begin; c < cell.col_end; c += kLanes) {
         const int i = grid_.index(r, c), count = cell.col_end - c;
         const BeamLanes beams = count >= kLanes ? BeamLanes(grid_, i) : BeamLanes(grid_, i, count);
-        const LaneMask outside = ~beams.valid | (squared(beams) > fill(kMaxFarResidual));
+        const LaneMask outside = ~beams.valid | (squared(beams) > fill(kMaxInnerResidual));
         if (!anyLane(outside)) continue;
         for (int lane = 0; lane < std::min(kLanes, cell.col_end - c); ++lane) {
           if (outside[lane] == 0) continue;
@@ -253,8 +252,7 @@ class PatchResolver {
       const Lanes mean = sum * inverse_count_[k];
       const Lanes total = mean + log_variance;
       const Lanes own = loadLanes<Lanes>(own_.at(row, block * kLanes));
-      const Lanes most = mean < fill(kSureWindowCost) ? fill(kMaxFarResidual) : fill(kMaxOwnResidual);
-      const LaneMask better = (own <= most) & (mean < fill(kMaxWindowCost)) & (total < best_[k]);
+      const LaneMask better = (own <= fill(kMaxOwnResidual)) & (mean < fill(kMaxWindowCost)) & (total < best_[k]);
       best_[k] = better ? total : best_[k];
       winner_[k] = better ? fillMask(candidate) : winner_[k];
     });

@@ -5,7 +5,6 @@
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/parallel.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -53,22 +52,13 @@ double wholeSimilarity(const Whole& a, const Whole& b, const PlaneFit& joint, co
                     secantSquared(joint.a, range), whole);
 }
 
-// No step between the two sides of a border: two parallel planes of free slope are fitted to them. (A bowed wall is locally
-// turned against the plane of the whole; seen from that, its parts would be a step apart.)
-double stepSimilarity(const Moments& a, const Moments& b, const CoplanarityTolerance& tolerance) {
-  // Minimises  sum_a w (1 - x . p)^2 + sum_b w (1 + s - x . p)^2  over x and the relative step s.
-  const Moments both = a + b;
-  Eigen::Matrix4d normal;
-  normal << both.xx, both.xy, both.xz, -b.x,  //
-      both.xy, both.yy, both.yz, -b.y,        //
-      both.xz, both.yz, both.zz, -b.z,        //
-      -b.x, -b.y, -b.z, b.w;
-  normal.diagonal().array() += 1e-10 * normal.trace();
-  const Eigen::Matrix4d covariance = normal.inverse();
-  const Eigen::Vector4d solution = covariance * Eigen::Vector4d(both.x, both.y, both.z, -b.w);
-  const double distance = 1.0 / std::max(1e-9, solution.head<3>().norm());
-  const double gap = solution[3] * distance;
-  const double variance = covariance(3, 3) * distance * distance * tolerance.inflation;
+double stepSimilarity(const Moments& a, const Moments& b, const PlaneFit& joint, const NoiseModel& noise,
+                      const CoplanarityTolerance& tolerance) {
+  const Eigen::Vector3d mean_a = a.mean(), mean_b = b.mean();
+  const double gap = joint.normal().dot(mean_a - mean_b);
+  const double range = 0.5 * (mean_a.norm() + mean_b.norm());
+  const double sigma = noise.sigma(range);
+  const double variance = sigma * sigma / secantSquared(joint.a, range) * (1.0 / a.n + 1.0 / b.n) * tolerance.inflation;
   const double step = kStepTolerance * tolerance.sigma_distance;
   return std::exp(-0.5 * gap * gap / (variance + step * step));
 }
@@ -349,7 +339,7 @@ void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const Coplanar
       if (s < threshold && !may_bow) continue;
       const auto [first, second] = borders.measure(&meetings[begin], meetings.data() + end);
       if (first.n < kMinBorderPoints || second.n < kMinBorderPoints) continue;
-      if (stepSimilarity(first, second, tolerance) < threshold) continue;
+      if (stepSimilarity(first, second, joint, noise, tolerance) < threshold) continue;
       if (s >= threshold || isBowed(a, b, first, second, tolerance)) candidates.push_back({-s, pair});
     }
     if (candidates.empty()) break;

@@ -41,9 +41,9 @@ std::vector<Eigen::Vector3d> labelPlanes(const CellShares& cells);
 ///
 /// Two conditions must hold. The joint plane serves both as wholes: with a wider tolerance than from patch to patch, for
 /// walls bow, wider still if they are hardly turned against each other; or they are turned a little, but the border itself
-/// lies on one plane rather than on the two (a sagging floor, not a crease). And where they meet there is no step: two
-/// parallel planes, of whatever slope, are fitted to the strips on both sides of the border (one plane tilted across a step
-/// would hide three quarters of it).
+/// lies on one plane rather than on the two (a sagging floor, not a crease). And where they meet there is no step: the
+/// strips on both sides of the border are compared by their offset alone (a plane tilted across a step hides three quarters
+/// of it).
 /// @param cells blocks of pixels by which "touching" and "where they meet" are measured.
 /// @param shares of `labels`; renamed along with them.
 void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
