@@ -49,9 +49,10 @@ TEST(Parallel, OneThreadIsTheCallersAndTwoAreTwo) {
 
 TEST(Parallel, PassesExceptionsOn) {
   for (const int threads : {1, 3}) {
-    EXPECT_THROW(forEachPart(threads, 20, [](int part) {
-                   if (part == 11) throw std::runtime_error("part 11");
-                 }),
+    EXPECT_THROW(forEachPart(threads, 20,
+                             [](int part) {
+                               if (part == 11) throw std::runtime_error("part 11");
+                             }),
                  std::runtime_error);
   }
 }
