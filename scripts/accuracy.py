@@ -300,7 +300,8 @@ Processor time of one office at the data sheet's noise, labels and polygons, as 
 ## Polygons
 
 *Boundary*: mean distance of the true outlines of correct regions from the polygon's [mm]. *Holes*: share of true holes of 50 pixels and more
-that the region's polygons leave open (IoU 0.5). *Openings*: the same, whether or not the outline runs into them. *Valid*: simple, holes inside and apart. *Compression*: bytes of the points (12 each) over bytes
+that the region's polygons leave open (IoU 0.5). *Openings*: the same, whether or not the outline runs into them (-: not
+measured). *Valid*: simple, holes inside and apart. *Compression*: bytes of the points (12 each) over bytes
 of the polygons (12 a vertex, 32 a plane, 4 a ring).
 
 {table(['condition', 'method'], ['boundary [mm]', 'holes', 'openings', 'polygons', 'vertices a polygon', 'valid', 'compression'], polygon_rows(results, methods))}
