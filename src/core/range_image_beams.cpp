@@ -137,7 +137,7 @@ void fillRanges(const RangeImage& image, std::vector<float>& out) {
   if (high > image.range_max) high = std::nextafter(high, -kInfinity);
   const std::size_t n = out.size(), whole = n - n % kLanes;
   const Lanes lows = fill(low), highs = fill(high), bad = fill(std::numeric_limits<float>::quiet_NaN());
-  const auto filtered = [&](Lanes r) { return (r > Lanes{}) & (lows <= r) & (r <= highs) ? r : bad; };
+  const auto filtered = [&](Lanes r) { return ((r > Lanes{}) & (lows <= r) & (r <= highs)) ? r : bad; };
   for (std::size_t i = 0; i < whole; i += kLanes) {
     const Lanes kept = filtered(loadLanes<Lanes>(&image.ranges[i]));
     std::memcpy(&out[i], &kept, sizeof kept);
