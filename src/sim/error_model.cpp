@@ -47,7 +47,9 @@ const std::vector<ErrorField>& errorFields() {
                                               {"lever_arm_error", 0.1, &ErrorModel::lever_arm_error},
                                               {"tilt_offset", 0.1, &ErrorModel::tilt_offset},
                                               {"tilt_backlash", 0.1, &ErrorModel::tilt_backlash},
-                                              {"encoder_noise", 0.1, &ErrorModel::encoder_noise}};
+                                              {"encoder_noise", 0.1, &ErrorModel::encoder_noise},
+                                              {"tilt_grid", 0.1, &ErrorModel::tilt_grid},
+                                              {"line_error", 0.1, &ErrorModel::line_error}};
   return fields;
 }
 

@@ -15,6 +15,7 @@ namespace {
 constexpr float kInf = std::numeric_limits<float>::infinity();
 // Streams of random numbers: lines take their index, joint samples theirs from here on.
 constexpr std::uint64_t kJointStream = 1ULL << 32;
+constexpr std::uint64_t kLineErrorStream = 1ULL << 33;
 // A spot that touches surfaces at least this far apart in range reads something between.
 constexpr double kMixedGap = 0.05;
 
@@ -98,6 +99,10 @@ ScanLine Scanner::line(int index) const {
   line.true_tilts.resize(sensor.beams);
   line.labels.assign(sensor.beams, 0);
   const std::vector<double> noise = lineNoise(sensor.beams, errors.correlated_noise, random);
+  const double shared =
+      errors.line_error > 0.0
+          ? errors.line_error * Random(seed_, kLineErrorStream + static_cast<std::uint64_t>(index)).normal()
+          : 0.0;
   Eigen::Isometry3d pose;
   for (int b = 0; b < sensor.beams; ++b) {
     const double bearing = sensor.bearing_min + b * sensor.bearing_increment;
@@ -116,7 +121,7 @@ ScanLine Scanner::line(int index) const {
     const double mixing = random.uniform();
     const bool mixes = random.chance(errors.mixed_pixels);
     const bool drops = random.chance(errors.dropouts);
-    double range = hit.range + errors.incidence_bias * (1.0 - hit.cos_incidence);
+    double range = hit.range + shared + errors.incidence_bias * (1.0 - hit.cos_incidence);
     bool on_surface = true;
     if (mixes && std::isfinite(hit.range)) {
       const Hit other = castBeam(pose, bearing, spot * std::cos(spot_side), spot * std::sin(spot_side));
@@ -152,6 +157,7 @@ JointSample Scanner::joint(int index) const {
   if (errors.encoder_noise > 0.0) {
     sample.angle += errors.encoder_noise * Random(seed_, kJointStream + static_cast<std::uint64_t>(index)).normal();
   }
+  if (errors.tilt_grid > 0.0) sample.angle = std::round(sample.angle / errors.tilt_grid) * errors.tilt_grid;
   return sample;
 }
 

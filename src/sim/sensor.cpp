@@ -38,19 +38,35 @@ Sensor urg04lx() {
   return s;
 }
 
+// At its resolution of 0.5 deg, in the mode that counts centimetres.
+Sensor lms200() {
+  Sensor s;
+  s.name = "lms_200";
+  s.beams = 361;
+  s.bearing_increment = 0.5 * kDegree;
+  s.bearing_min = -90.0 * kDegree;
+  s.line_rate = 37.5;
+  s.range_min = 0.1;
+  s.range_max = 81.0;
+  s.spot_angle = 0.005;
+  s.noise = {0.005, 0.01, 8.0, 0.0};
+  return s;
+}
+
 }  // namespace
 
 double Sensor::timeIncrement() const { return bearing_increment / (2.0 * M_PI * line_rate); }
 
 const std::vector<std::string>& sensorNames() {
-  static const std::vector<std::string> names{"utm_30lx", "urg_04lx"};
+  static const std::vector<std::string> names{"utm_30lx", "urg_04lx", "lms_200"};
   return names;
 }
 
 Sensor makeSensor(const std::string& name) {
   if (name == "utm_30lx") return utm30lx();
   if (name == "urg_04lx") return urg04lx();
-  throw std::invalid_argument("sensor is '" + name + "', allowed: utm_30lx, urg_04lx");
+  if (name == "lms_200") return lms200();
+  throw std::invalid_argument("sensor is '" + name + "', allowed: utm_30lx, urg_04lx, lms_200");
 }
 
 }  // namespace ppc::sim

@@ -319,6 +319,35 @@ TEST(Scanner, EncoderNoiseIsAsAsked) {
   EXPECT_NEAR(std::sqrt(squares / 2000), 1e-3, 5e-5);
 }
 
+TEST(Scanner, TiltsOnAGridComeInGroups) {
+  ErrorModel errors = ErrorModel::none();
+  errors.tilt_grid = 1.0 * kDegree;
+  const Scanner scanner(makeScene("wall", 0), optionsWith(errors, 300), 1);
+  std::set<double> seen;
+  for (int i = 100; i < 600; ++i) {
+    const JointSample s = scanner.joint(i);
+    const double e = s.angle - scanner.options().motion.tilt(s.stamp, scanner.passDuration());
+    EXPECT_LE(std::abs(e), 0.5 * kDegree + 1e-9);
+    EXPECT_NEAR(std::remainder(s.angle, kDegree), 0.0, 1e-9);
+    seen.insert(std::round(s.angle / kDegree));
+  }
+  EXPECT_GT(seen.size(), 50U);
+  EXPECT_LT(seen.size(), 110U);
+}
+
+TEST(Scanner, LineErrorIsSharedByTheBeamsOfALine) {
+  ErrorModel errors = ErrorModel::none();
+  errors.line_error = 0.01;
+  const Scanner scanner(makeScene("box", 0), optionsWith(errors), 1);
+  double squares = 0.0;
+  for (const std::vector<double>& line : rangeErrors(scanner, 400)) {
+    ASSERT_GT(line.size(), 1000U);
+    for (const double e : line) EXPECT_NEAR(e, line[0], 1e-5);
+    squares += line[0] * line[0];
+  }
+  EXPECT_NEAR(std::sqrt(squares / 400), 0.01, 0.0015);
+}
+
 TEST(Scanner, LeverArmErrorMovesTheLaserNotItsReport) {
   ErrorModel errors = ErrorModel::none();
   errors.lever_arm_error = 0.005;
@@ -409,7 +438,10 @@ TEST(ErrorModel, FieldsAreSetByName) {
 }
 
 TEST(Sensor, PresetsAreTheDataSheets) {
-  const Sensor utm = makeSensor("utm_30lx"), urg = makeSensor("urg_04lx");
+  const Sensor utm = makeSensor("utm_30lx"), urg = makeSensor("urg_04lx"), lms = makeSensor("lms_200");
+  EXPECT_EQ(lms.beams, 361);
+  EXPECT_NEAR(lms.bearing_min + 360 * lms.bearing_increment, 90.0 * kDegree, 1e-12);
+  EXPECT_DOUBLE_EQ(lms.noise.sigma(5.0), 0.005);
   EXPECT_EQ(utm.beams, 1081);
   EXPECT_NEAR(utm.bearing_min + 1080 * utm.bearing_increment, 135.0 * kDegree, 1e-12);
   EXPECT_NEAR(utm.timeIncrement() * 1440, 1.0 / 40.0, 1e-12);

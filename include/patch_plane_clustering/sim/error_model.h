@@ -20,6 +20,8 @@ struct ErrorModel {
   double tilt_offset = 0.0;       ///< reported tilt minus true tilt [rad]
   double tilt_backlash = 0.0;     ///< reported tilt leads by half of this when it grows, lags when it falls [rad]
   double encoder_noise = 0.0;     ///< standard deviation of each joint sample [rad]
+  double tilt_grid = 0.0;         ///< reported tilts are rounded to multiples of this: groups of lines at one angle [rad]
+  double line_error = 0.0;        ///< standard deviation of a range error that all beams of a line share [m]
   bool motion_in_line = true;     ///< the laser moves while a line is taken; false: all beams of a line are taken at once
 
   /// Nothing wrong, motion apart.

@@ -24,7 +24,7 @@ struct Sensor {
   double timeIncrement() const;
 };
 
-/// @brief utm_30lx, urg_04lx.
+/// @brief utm_30lx, urg_04lx, lms_200.
 const std::vector<std::string>& sensorNames();
 
 /// @brief @throws std::invalid_argument listing the known names.
