@@ -4,6 +4,7 @@
 #include "patch_plane_clustering/core/contours.h"
 #include "patch_plane_clustering/core/corner_projection.h"
 #include "patch_plane_clustering/core/crease_snapping.h"
+#include "patch_plane_clustering/core/parallel.h"
 #include "patch_plane_clustering/core/polygon_piece.h"
 #include "patch_plane_clustering/core/ring_loops.h"
 #include "patch_plane_clustering/core/ring_simplification.h"
@@ -16,6 +17,7 @@
 #include <boost/geometry/geometries/ring.hpp>
 #include <boost/geometry/strategies/strategies.hpp>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -152,7 +154,8 @@ class RegionOutliner {
 }  // namespace
 
 std::vector<PlanarPolygon> extractPolygons(const BeamGrid& grid, const LabelImage& labels,
-                                           const std::vector<PlanarRegion>& regions, const PolygonOptions& options) {
+                                           const std::vector<PlanarRegion>& regions, const PolygonOptions& options,
+                                           int threads) {
   if (labels.rows != grid.rows || labels.cols != grid.cols || labels.labels.size() != grid.range.size()) {
     throw std::invalid_argument("label image of " + std::to_string(labels.rows) + " x " + std::to_string(labels.cols) +
                                 " pixels does not fit the grid of " + std::to_string(grid.rows) + " x " +
@@ -164,16 +167,19 @@ std::vector<PlanarPolygon> extractPolygons(const BeamGrid& grid, const LabelImag
   std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) {
     return a.front().label != b.front().label ? a.front().label < b.front().label : a.front().pixels > b.front().pixels;
   });
-  std::vector<PlanarPolygon> polygons;
-  auto piece = pieces.begin();
-  for (const PlanarRegion& region : regions) {
-    while (piece != pieces.end() && piece->front().label < region.id) ++piece;
+  std::vector<std::vector<PlanarPolygon>> of_region(regions.size());
+  forEachPart(threads, static_cast<int>(regions.size()), [&](int k) {
+    const PlanarRegion& region = regions[k];
+    const auto before = [](const std::vector<PixelRing>& piece, std::int32_t id) { return piece.front().label < id; };
+    auto piece = std::lower_bound(pieces.begin(), pieces.end(), region.id, before);
     RegionOutliner outliner(grid, labels, region, options);
     for (bool first = true; piece != pieces.end() && piece->front().label == region.id; ++piece, first = false) {
       if (first || piece->front().pixels >= options.min_hole_size) outliner.add(contours.corners, *piece, 0);
     }
-    outliner.moveTo(region.id, polygons);
-  }
+    outliner.moveTo(region.id, of_region[k]);
+  });
+  std::vector<PlanarPolygon> polygons;
+  for (auto& found : of_region) std::move(found.begin(), found.end(), std::back_inserter(polygons));
   if (options.snap_creases) {
     snapCreases(grid, labels, regions, std::max(0.0, options.simplification_tolerance),
                 std::max(0.0, options.pixel_tolerance), polygons);

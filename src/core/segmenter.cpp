@@ -127,7 +127,7 @@ Segmentation finishSegmentation(const BeamGrid& grid, LabelImage labels, const C
   renumberBySize(grid, config.min_size, labels);
   result.regions = describeRegions(grid, labels, config.threads);
   timer.lap("statistics");
-  result.polygons = extractPolygons(grid, labels, result.regions, config.polygons);
+  result.polygons = extractPolygons(grid, labels, result.regions, config.polygons, config.threads);
   timer.lap("polygons");
   for (int i = 0; i < grid.size(); ++i) result.valid_points += grid.valid(i) ? 1 : 0;
   for (const PlanarRegion& region : result.regions) {

@@ -30,6 +30,7 @@ struct PolygonOptions {
 /// @param regions as made by describeRegions() from the same labels.
 /// @return polygons in ascending id, larger pieces first.
 std::vector<PlanarPolygon> extractPolygons(const BeamGrid& grid, const LabelImage& labels,
-                                           const std::vector<PlanarRegion>& regions, const PolygonOptions& options);
+                                           const std::vector<PlanarRegion>& regions, const PolygonOptions& options,
+                                           int threads = 1);
 
 }  // namespace ppc
