@@ -40,7 +40,7 @@ bool isFlat(const Moments& m, const PlaneFit& fit, double range, const NoiseMode
   const double sigma = noise.sigma(range);
   const double dof = m.n - 3;
   const double slack = tolerance.sigma_distance * tolerance.sigma_distance * secantSquared(fit.a, range) / (sigma * sigma);
-  return fit.chi2 < dof * (1.0 + slack) + 3.3 * std::sqrt(2.0 * dof * tolerance.inflation);
+  return fit.chi2 < dof * (1.0 + slack) + 3.3 * std::sqrt(2.0 * dof * tolerance.inflationOf(m.n));
 }
 
 void measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
@@ -75,7 +75,7 @@ void measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const C
     const PlaneFit fit = fitPlane(sum);
     if (!isFlat(sum, fit, patch.range, noise, tolerance)) continue;
     memory.around_of[i] = static_cast<int>(memory.around.size());
-    memory.around.push_back({sum, fit, sum.radius()});
+    memory.around.push_back({sum, fit, sum.radius(), tolerance.inflationOf(sum.n)});
   }
 }
 
@@ -190,7 +190,7 @@ void growClusters(const PatchGrid& grid, const NoiseModel& noise, const Coplanar
             const PlaneFit wide_fit = fitPlane(cluster.moments + wide.moments);
             const double wide_cost =
                 misfit(wide_fit.chi2 - cluster.fit.chi2 - wide.fit.chi2, wide.moments.n / (sigma * sigma), wide.radius,
-                       secantSquared(wide_fit.a, patch.range), tolerance);
+                       secantSquared(wide_fit.a, patch.range), tolerance, wide.inflation);
             if (wide_cost > greatest) return;
           }
         }

@@ -48,6 +48,7 @@ double wholeSimilarity(const Whole& a, const Whole& b, const PlaneFit& joint, co
   const Moments& small = a.moments.n < b.moments.n ? a.moments : b.moments;
   const double range = small.mean().norm();
   const double sigma = noise.sigma(range);
+  whole.inflation = tolerance.inflationOf(small.n);
   return similarity(joint.chi2 - a.fit.chi2 - b.fit.chi2, small.n / (sigma * sigma), std::min(small.radius(), max_radius),
                     secantSquared(joint.a, range), whole);
 }
@@ -58,7 +59,8 @@ double stepSimilarity(const Moments& a, const Moments& b, const PlaneFit& joint,
   const double gap = joint.normal().dot(mean_a - mean_b);
   const double range = 0.5 * (mean_a.norm() + mean_b.norm());
   const double sigma = noise.sigma(range);
-  const double variance = sigma * sigma / secantSquared(joint.a, range) * (1.0 / a.n + 1.0 / b.n) * tolerance.inflation;
+  const double variance =
+      sigma * sigma / secantSquared(joint.a, range) * (tolerance.inflationOf(a.n) / a.n + tolerance.inflationOf(b.n) / b.n);
   const double step = kStepTolerance * tolerance.sigma_distance;
   return std::exp(-0.5 * gap * gap / (variance + step * step));
 }
@@ -68,7 +70,8 @@ double stepSimilarity(const Moments& a, const Moments& b, const PlaneFit& joint,
 bool isBowed(const Whole& a, const Whole& b, const Moments& side_a, const Moments& side_b,
              const CoplanarityTolerance& tolerance) {
   const double crease = chiSquare(side_a, a.fit.a) + chiSquare(side_b, b.fit.a);
-  return crease > kBowEvidence * fitPlane(side_a + side_b).chi2 + kBowSignificance * tolerance.inflation;
+  return crease > kBowEvidence * fitPlane(side_a + side_b).chi2 +
+                      kBowSignificance * tolerance.inflationOf(std::min(side_a.n, side_b.n));
 }
 
 // Cells in which several labels meet, or that lie next to a cell with another label.

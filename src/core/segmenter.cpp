@@ -4,6 +4,7 @@
 #include "patch_plane_clustering/core/clustering.h"
 #include "patch_plane_clustering/core/curvature.h"
 #include "patch_plane_clustering/core/label_runs.h"
+#include "patch_plane_clustering/core/noise_correlation.h"
 #include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/patch_grid.h"
 #include "patch_plane_clustering/core/refinement.h"
@@ -12,12 +13,28 @@
 #include "patch_plane_clustering/core/stage_timer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace ppc {
 namespace {
 
 PatchComparison comparisonOf(const Config& config) { return {config.running_plane, config.noise_aware}; }
+
+// What correlated errors do to the noise, if it is estimated, and to the tolerance.
+void estimateCorrelation(const Config& config, NoiseModel& noise, CoplanarityTolerance& tolerance, PatchGrid& patches) {
+  tolerance.inflation = estimateInflation(patches);
+  const NoiseCorrelation found = measureCorrelation(patches, tolerance.inflation);
+  tolerance.inflation_growth = found.growth;
+  tolerance.patch_points = found.points;
+  if (config.noise_scale > 0.0 || found.variance == 1.0) return;
+  noise.scale(std::sqrt(found.variance));
+  tolerance.inflation = std::max(1.0, tolerance.inflation / found.variance);
+  for (Patch& patch : patches.patches) {
+    patch.moments.scale(1.0 / found.variance);
+    patch.fit.chi2 /= found.variance;
+  }
+}
 
 // Regions too thin for any patch to fit inside: smaller patches of what the first pass left over. Returns their first label.
 std::int32_t addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
@@ -62,12 +79,12 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, Clustering
                 patches);
   timer.lap("moments");
 
-  const NoiseModel noise = config.noise_scale > 0.0 ? NoiseModel(config.sensor, config.noise_scale)
-                                                    : NoiseModel::estimate(patches, config.sensor);
+  NoiseModel noise = config.noise_scale > 0.0 ? NoiseModel(config.sensor, config.noise_scale)
+                                              : NoiseModel::estimate(patches, config.sensor);
   CoplanarityTolerance tolerance{config.sigma_distance, config.sigma_angle, 1.0};
   weighPatches(noise, patches);
   gatePatches(noise, tolerance, patches);
-  if (config.noise_aware) tolerance.inflation = estimateInflation(patches);
+  if (config.noise_aware) estimateCorrelation(config, noise, tolerance, patches);
   gatePatches(noise, tolerance, patches);
   timer.lap("fits");
 

@@ -31,6 +31,7 @@ struct Surroundings {
   Moments moments;
   PlaneFit fit;
   double radius = 0.0;
+  double inflation = 1.0;  ///< see CoplanarityTolerance
 };
 
 /// @brief Working memory of growClusters(), which one image after the other may use.

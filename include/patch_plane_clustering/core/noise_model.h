@@ -26,6 +26,11 @@ class NoiseModel {
     return table_[static_cast<std::size_t>(std::min(std::max(range * kCellsPerMetre, 0.0), kCells - 1.0))];
   }
 
+  /// Multiplies it at all ranges.
+  void scale(double factor) {
+    for (double& sigma : table_) sigma *= factor;
+  }
+
  private:
   explicit NoiseModel(const std::vector<double>& sigma_of_bin);
 

@@ -13,14 +13,29 @@ namespace ppc {
 struct CoplanarityTolerance {
   double sigma_distance = 0.005;  ///< how far a piece of a plane may stand off the rest of it [m]
   double sigma_angle = 0.02;      ///< how far it may be turned against the rest [rad]
-  double inflation = 1.0;         ///< variance of plane parameters over that of white noise (correlated errors) [1]
+  double inflation = 1.0;         ///< variance of a patch's plane over that of white noise (correlated errors) [1]
+  double inflation_growth =
+      0.0;                     ///< exponent with which it grows beyond `patch_points`: 0 white noise, 1 never averages out
+  double patch_points = 20.0;  ///< of such a patch
+
+  /// Inflation of the plane of n points: errors correlated farther than over a patch average out still more slowly.
+  double inflationOf(double n) const {
+    return inflation_growth > 0.0 && n > patch_points ? inflation * std::pow(n / patch_points, inflation_growth) : inflation;
+  }
 };
 
 /// @brief Misfit of the coplanarity conditions: twice the negative logarithm of similarity(), whose parameters it shares.
-inline double misfit(double excess, double precision, double radius, double sec2, const CoplanarityTolerance& tolerance) {
+/// @param inflation of the smaller piece (CoplanarityTolerance::inflationOf).
+inline double misfit(double excess, double precision, double radius, double sec2, const CoplanarityTolerance& tolerance,
+                     double inflation) {
   const double turned = tolerance.sigma_angle * radius;
   const double tau2 = (tolerance.sigma_distance * tolerance.sigma_distance + turned * turned) * sec2;
-  return std::max(0.0, excess) / (3.0 * tolerance.inflation + precision * tau2);
+  return std::max(0.0, excess) / (3.0 * inflation + precision * tau2);
+}
+
+/// The same with the inflation of a patch.
+inline double misfit(double excess, double precision, double radius, double sec2, const CoplanarityTolerance& tolerance) {
+  return misfit(excess, precision, radius, sec2, tolerance, tolerance.inflation);
 }
 
 /// @brief Gaussian similarity of the coplanarity conditions of two pieces of surface, in (0, 1].
