@@ -4,7 +4,7 @@ file(GLOB fuzz_sources CONFIGURE_DEPENDS fuzz/fuzz_*.cpp)
 if(CATKIN_ENABLE_TESTING OR PPC_FUZZ)
   add_library(fuzz_support STATIC EXCLUDE_FROM_ALL fuzz/checks.cpp fuzz/scene.cpp src/tools/ppc/cloud_file.cpp
     src/tools/ppc/pcd_header.cpp
-    src/tools/ppc/files.cpp src/tools/ppc/method_options.cpp)
+    src/tools/ppc/files.cpp src/tools/ppc/interruption.cpp src/tools/ppc/method_options.cpp)
   target_include_directories(fuzz_support PUBLIC src/tools/ppc)
   target_include_directories(fuzz_support SYSTEM PRIVATE ${PCL_INCLUDE_DIRS} ${OpenCV_INCLUDE_DIRS})
   target_link_libraries(fuzz_support PRIVATE warnings PUBLIC ${PROJECT_NAME}_ros ${PROJECT_NAME}_baselines

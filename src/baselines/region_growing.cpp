@@ -67,6 +67,7 @@ class Growing {
     }
     std::sort(order.begin(), order.end());
     std::vector<int> seeds;
+    seeds.reserve(order.size());
     for (const auto& each : order) seeds.push_back(each.second);
     return seeds;
   }

@@ -149,7 +149,7 @@ void growClusters(const PatchGrid& grid, const NoiseModel& noise, const Coplanar
       around += grid.patches[j].moments;
       --missing;
     });
-    memory.seeds.push_back({fitPlane(around).chi2 / std::max(1, around.n - 3) + std::max(0, missing), i});
+    memory.seeds.emplace_back(fitPlane(around).chi2 / std::max(1, around.n - 3) + std::max(0, missing), i);
     radius[i] = patch.moments.radius();
   }
   memory.around.clear();

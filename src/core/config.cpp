@@ -4,7 +4,9 @@
 #include "patch_plane_clustering/core/nearest_name.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 
@@ -63,11 +65,20 @@ std::vector<ConfigField> makeFields() {
 
 #undef PPC_FIELD
 
+// The words of YAML 1.1, so that a file means the same to `rosparam load` and to the tools.
+std::optional<bool> truthOf(std::string word) {
+  for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (word == "true" || word == "yes" || word == "on") return true;
+  if (word == "false" || word == "no" || word == "off") return false;
+  return std::nullopt;
+}
+
 const ConfigField& fieldNamed(const std::string& name) {
   const auto& fields = configFields();
   const auto found = std::find_if(fields.begin(), fields.end(), [&](const auto& f) { return f.name == name; });
   if (found != fields.end()) return *found;
   std::vector<std::string> names;
+  names.reserve(fields.size());
   for (const ConfigField& field : fields) names.push_back(field.name);
   throw std::invalid_argument("unknown parameter '" + name + "'; did you mean '" + nearestName(names, name) + "'?");
 }
@@ -84,6 +95,7 @@ void setConfigField(Config& config, const std::string& name, double value) {
   const bool whole = field.type == Type::kDouble || value == std::round(value);
   if (!whole || !(field.min <= value && value <= field.max)) {
     std::ostringstream message;
+    message.precision(10);  // 1000000, not 1e+06
     message << "parameter '" << name << "' = " << value << " is not " << (whole ? "" : "a whole number ") << "in ["
             << field.min << ", " << field.max << "]";
     throw std::invalid_argument(message.str());
@@ -93,15 +105,23 @@ void setConfigField(Config& config, const std::string& name, double value) {
 
 void setConfigField(Config& config, const std::string& name, const std::string& value) {
   const ConfigField& field = fieldNamed(name);
-  if (field.type == Type::kBool && (value == "true" || value == "false")) {
-    field.set(config, value == "true" ? 1.0 : 0.0);
-    return;
+  if (field.type == Type::kBool) {
+    if (const auto truth = truthOf(value)) return field.set(config, *truth ? 1.0 : 0.0);
   }
   double number = 0.0;
   std::istringstream in(value);
   in.imbue(std::locale::classic());
   if (!(in >> number) || !(in >> std::ws).eof()) {
-    throw std::invalid_argument("parameter '" + name + "' = '" + value + "' is not a number");
+    std::ostringstream message;
+    message.precision(10);  // 1000000, not 1e+06
+    message << "parameter '" << name << "' = '" << value << "' is not ";
+    if (field.type == Type::kBool) {
+      message << "true or false";
+    } else {
+      message << (field.type == Type::kInt ? "a whole number in [" : "a number in [") << field.min << ", " << field.max
+              << "]";
+    }
+    throw std::invalid_argument(message.str());
   }
   setConfigField(config, name, number);
 }

@@ -51,7 +51,7 @@ SampledRegion sampleRegion(const BeamGrid& grid, std::int32_t id, int points, in
   SampledRegion region;
   region.id = id;
   region.points = points;
-  const double n = static_cast<double>(pixels.size());
+  const auto n = static_cast<double>(pixels.size());
   Eigen::Vector3d mean = Eigen::Vector3d::Zero(), beams = Eigen::Vector3d::Zero();
   for (const int i : pixels) {
     mean += grid.point(i).cast<double>() / n;

@@ -65,7 +65,7 @@ void OutlineExcess::fill(std::size_t begin, std::size_t count, const Edge& e, do
     const double* at = columns + i;
     const Pair x = load(at) - from_x, y = load(at += stride_) - from_y;
     const Pair row_x = load(at += stride_), row_y = load(at += stride_);
-    const Pair col_x = load(at += stride_), col_y = load(at += stride_);
+    const Pair col_x = load(at += stride_), col_y = load(at + stride_);
     Pair along = (x * dx + y * dy) * inverse;
     along = along > zero ? along : zero;
     along = along < one ? along : one;

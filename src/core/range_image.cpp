@@ -40,7 +40,9 @@ void checkConsistent(const RangeImage& image) {
     fail("range_min " + std::to_string(image.range_min) + " exceeds range_max " + std::to_string(image.range_max) +
          ", or one of them is NaN");
   }
-  for (const auto& pose : image.line_poses) require(pose.matrix().allFinite(), "a line pose is not finite");
+  for (const auto& pose : image.line_poses) {
+    require(pose.matrix().cast<float>().allFinite(), "a line pose is not finite");  // beams are in single precision
+  }
 }
 
 }  // namespace ppc

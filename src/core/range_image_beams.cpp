@@ -132,7 +132,7 @@ void fillOrigins(const Columns& columns, int begin, int end, const Change& origi
 void fillRanges(const RangeImage& image, std::vector<float>& out) {
   // The limits in single precision, rounded inwards, admit the same floats.
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  float low = static_cast<float>(image.range_min), high = static_cast<float>(image.range_max);
+  auto low = static_cast<float>(image.range_min), high = static_cast<float>(image.range_max);
   if (low < image.range_min) low = std::nextafter(low, kInfinity);
   if (high > image.range_max) high = std::nextafter(high, -kInfinity);
   const std::size_t n = out.size(), whole = n - n % kLanes;

@@ -108,6 +108,8 @@ class FaultRig : public testing::Test {
     return waitFor([&] { return player.diagnostics.message.find(part) != std::string::npos; }, seconds);
   }
 
+  int managerProcess() const { return manager_.process(); }
+
   static double worstPoint(const sensor_msgs::PointCloud2& cloud) {
     double worst = 0.0;
     for (sensor_msgs::PointCloud2ConstIterator<float> p(cloud, "x"); p != p.end(); ++p) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "wait_for.h"
+
 #include <nodelet/NodeletLoad.h>
 #include <nodelet/NodeletUnload.h>
 #include <ros/network.h>
@@ -29,9 +31,9 @@ class NodeletManager {
     call.request.name = nodelet;
     call.request.type = "patch_plane_clustering/" + type;
     const std::string service = name_ + "/load_nodelet";
-    if (!ros::service::waitForService(service, 30000) || !ros::service::call(service, call) || !call.response.success) {
-      return false;
-    }
+    // By the wall clock: the one of ROS may stand.
+    if (!waitFor([&] { return ros::service::exists(service, false); }, 30.0)) return false;
+    if (!ros::service::call(service, call) || !call.response.success) return false;
     loaded_.push_back(nodelet);
     return true;
   }

@@ -2,6 +2,7 @@
 // All nodelets in the test's own process, so that a sanitizer sees every thread: sweeps in flight, reconfiguration,
 // unloading.
 #include "patch_plane_clustering/ros/messages.h"
+#include "scan_player.h"
 #include "test_scenes.h"
 #include "wait_for.h"
 
@@ -9,7 +10,11 @@
 #include <gtest/gtest.h>
 #include <nodelet/loader.h>
 #include <ros/ros.h>
+#include <sensor_msgs/point_cloud2_iterator.h>
 #include <atomic>
+#include <functional>
+#include <limits>
+#include <random>
 #include <set>
 #include <thread>
 
@@ -87,6 +92,82 @@ TEST(InProcess, SweepsAndReconfigurationInFlight) {
   EXPECT_GT(updates, 5);
   EXPECT_EQ(refused, 0);
   EXPECT_TRUE(loader.unload("/ppc"));
+}
+
+// Makes of a line what must make no points.
+void spoil(sensor_msgs::LaserScan& scan, std::mt19937& random) {
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  const std::vector<std::function<void()>> faults = {
+      [&] { scan.ranges.clear(); },
+      [&] { scan.ranges.resize(random() % 100); },
+      [&] { scan.intensities.resize(7); },
+      [&] { scan.angle_increment = random() % 2 == 0 ? nan : -scan.angle_increment; },
+      [&] { scan.time_increment = random() % 2 == 0 ? -inf : 1e3F; },
+      [&] { scan.range_min = inf; },
+      [&] { scan.range_max = random() % 2 == 0 ? nan : -1.0F; },
+      [&] { scan.header.stamp = random() % 2 == 0 ? ros::Time() : ros::Time(4294967295U, 999999999U); },
+      [&] { scan.header.stamp -= ros::Duration(0.3); },
+      [&] { scan.header.frame_id.clear(); },
+      [&] { std::fill(scan.ranges.begin(), scan.ranges.end(), random() % 2 == 0 ? nan : inf); },
+  };
+  faults[random() % faults.size()]();
+}
+
+void spoil(sensor_msgs::JointState& sample, std::mt19937& random) {
+  const std::vector<std::function<void()>> faults = {
+      [&] { sample.position.clear(); },
+      [&] { sample.name.clear(); },
+      [&] { sample.position[1] = std::numeric_limits<double>::quiet_NaN(); },
+      [&] { sample.position[1] = 1e300; },
+      [&] { sample.position[1] += 1.0; },
+      [&] { sample.header.stamp = ros::Time(); },
+      [&] { sample.header.stamp -= ros::Duration(0.2); },
+      [&] { sample.header.stamp += ros::Duration(1e6); },
+  };
+  faults[random() % faults.size()]();
+}
+
+TEST(InProcess, FaultsInFlight) {
+  nodelet::Loader loader(false);
+  ros::param::set("/faults/driver/joint_name", "tilt_joint");
+  ros::param::set("/faults/driver/lever_arm", std::vector<double>{0.0, 0.0, 0.0});
+  ASSERT_TRUE(loader.load("/faults/driver", "patch_plane_clustering/TiltScanDriver", {}, {}));
+  ASSERT_TRUE(loader.load("/faults/ppc", "patch_plane_clustering/PatchPlaneClustering", {}, {}));
+  std::mt19937 random(11);
+  ScanPlayer player("/faults");
+  player.send_scan = [&](sensor_msgs::LaserScan scan) {
+    player.publishScan(scan);
+    if (random() % 4 != 0) return;
+    scan.header.stamp += ros::Duration(0.006);
+    spoil(scan, random);
+    player.publishScan(scan);
+  };
+  player.send_joint = [&](sensor_msgs::JointState sample) {
+    player.publishJoint(sample);
+    if (random() % 8 != 0) return;
+    sample.header.stamp += ros::Duration(0.002);
+    spoil(sample, random);
+    player.publishJoint(sample);
+  };
+  std::size_t arrays = 0;
+  ros::NodeHandle nh;
+  const ros::Subscriber polygons = nh.subscribe<PlanarPolygonArray>("/faults/polygons", 100, [&](const auto&) { ++arrays; });
+  ASSERT_TRUE(player.connect());
+  ASSERT_TRUE(waitFor([&] { return polygons.getNumPublishers() > 0; }));
+  player.play(1000.0, 1012.4);
+  ASSERT_TRUE(waitFor([&] { return player.diagnosed("Lines in") == player.scans_sent; }));
+  ASSERT_TRUE(waitFor([&] { return player.clouds.size() >= 5 && arrays >= 2; }));
+  for (const auto& cloud : player.clouds) {
+    for (sensor_msgs::PointCloud2ConstIterator<float> p(*cloud, "x"); p != p.end(); ++p) {
+      if (std::isnan(p[0])) continue;
+      ASSERT_LT(offTheWalls(Eigen::Vector3d(p[0], p[1], p[2])), 0.002);
+    }
+  }
+  EXPECT_GT(player.linesDropped(), 50.0);
+  EXPECT_GT(player.diagnosed("Lines in images"), 250.0);
+  EXPECT_EQ(player.diagnosed("Lines in"),
+            player.diagnosed("Lines in images") + player.diagnosed("Lines pending") + player.linesDropped());
+  for (const char* name : {"/faults/driver", "/faults/ppc"}) EXPECT_TRUE(loader.unload(name));
 }
 
 TEST(InProcess, AllNodeletsUnloadedWhileTheyWork) {

@@ -98,6 +98,7 @@ TEST(RangeImageConversions, aWrongMessageIsRefusedByName) {
   names("quaternion", [](RangeImageMsg& m) { m.line_poses[1].orientation.w = kNaN; });
   names("quaternion", [](RangeImageMsg& m) { m.line_poses[0].orientation = geometry_msgs::Quaternion(); });
   names("pose", [](RangeImageMsg& m) { m.line_poses[1].position.x = kInf; });
+  names("pose", [](RangeImageMsg& m) { m.line_poses[0].position.z = -1e300; });
   names("height", [](RangeImageMsg& m) { m.height = 4000000000U; });
   names("empty", [](RangeImageMsg& m) { m.width = 0; });
   names("poses_per_row", [](RangeImageMsg& m) { m.poses_per_row = 0; });

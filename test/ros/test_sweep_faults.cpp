@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Faults of sensor, joint and clock, injected on the topics; what is judged is what comes out.
 #include "fault_rig.h"
+#include "stray.h"
 
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-#include <csignal>
 #include <deque>
 #include <limits>
 #include <random>
@@ -314,6 +311,11 @@ TEST_F(SweepFaults, badFieldsAreRefusedOneByOne) {
   const std::vector<std::function<void(sensor_msgs::LaserScan&)>> spoilers = {
       [](auto& s) { s.ranges.clear(); },
       [](auto& s) { s.ranges.resize(60); },
+      [](auto& s) {
+        s.ranges.resize(1000000);
+        s.intensities.clear();
+        s.angle_increment = (s.angle_max - s.angle_min) / 999999.0F;
+      },
       [](auto& s) { s.intensities.resize(7); },
       [nan](auto& s) { s.angle_increment = nan; },
       [inf](auto& s) { s.angle_increment = inf; },
@@ -370,26 +372,6 @@ TEST_F(SweepFaults, aStalledMotorIsTold) {
   expectSound(0.01);
   EXPECT_NEAR(drops("tilt standing"), 5.2 * 40.0, 3.0);
 }
-
-/// Another node, `rostopic pub`, that publishes the same message fifty times a second, stamped with the time of the day.
-class Stray {
- public:
-  Stray(const std::string& topic, const char* type, const char* message) {
-    const char* const arguments[] = {"rostopic", "pub", "-s", "-r", "50", topic.c_str(), type, message, nullptr};
-    if (posix_spawnp(&process_, "rostopic", nullptr, nullptr, const_cast<char**>(arguments), environ) != 0) process_ = 0;
-  }
-  ~Stray() {
-    if (process_ == 0) return;
-    kill(process_, SIGTERM);
-    waitpid(process_, nullptr, 0);
-  }
-  Stray(const Stray&) = delete;
-  Stray& operator=(const Stray&) = delete;
-  bool runs() const { return process_ != 0; }
-
- private:
-  pid_t process_ = 0;
-};
 
 TEST_F(SweepFaults, aSecondPublisherOfTheJointIsToldAndMovesNoRow) {
   start();
@@ -468,6 +450,52 @@ TEST_F(TfFaults, missingTransformsCostThoseLines) {
   expectSound();
   EXPECT_NEAR(drops("tilt gap"), 32.0, 3.0);
   EXPECT_EQ(player.linesDropped(), drops("tilt gap"));
+}
+
+TEST_F(TfFaults, lateTransformsLoseNothing) {
+  start();
+  player.with_tf = false;  // published below, late
+  const std::string name = ns_.substr(1);
+  for (int tick = 0; tick < 2500; ++tick) {
+    const double t = kStart + tick / 200.0;
+    const double late = 0.1 * std::min(5, tick / 400);  // 0 to 500 ms; when it grows, nothing comes for a while
+    if (tick % 2 == 0) player.publishTransform(t - late, name + "_base", name + "_laser", player.laserAt(t - late));
+    if (tick % 5 == 0) player.send_scan(player.scan(t));
+    ros::spinOnce();
+    ros::WallDuration(0.001).sleep();
+  }
+  ASSERT_TRUE(waitForImages(6));
+  expectSound();
+  EXPECT_NEAR(player.images[4]->height, 80, 3);
+  EXPECT_EQ(player.linesDropped(), 0.0);
+}
+
+TEST_F(TfFaults, badTransformsAmongGoodOnesMoveNoRow) {
+  start();
+  player.with_tf = false;  // published below
+  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  const std::string base = ns_.substr(1) + "_base", laser = ns_.substr(1) + "_laser";
+  for (int tick = 0; tick < 1700; ++tick) {
+    const double t = kStart + tick / 200.0;
+    const Eigen::Isometry3d good = player.laserAt(t);
+    if (tick % 2 == 0) player.publishTransform(t, base, laser, good);
+    Eigen::Isometry3d bad = good;
+    if (tick % 6 == 0) bad.translation().x() = nan;
+    // tf2 takes this one, and interpolates with it: the lines about it have no pose.
+    if (tick >= 600 && tick < 660 && tick % 6 == 1) bad.translation().z() = -inf;
+    if (tick % 6 == 2) bad.linear().fill(nan);
+    if (tick % 6 == 3) bad.linear().setZero();
+    if (tick % 6 == 4) player.publishTransform(t, laser, laser, good);
+    if (tick % 6 == 5) player.publishTransform(t, "", laser, good);
+    if (!bad.isApprox(good)) player.publishTransform(t + 0.001, base, laser, bad);
+    if (tick % 5 == 0) player.send_scan(player.scan(t));
+    ros::spinOnce();
+    ros::WallDuration(0.001).sleep();
+  }
+  ASSERT_TRUE(waitForImages(4));
+  expectSound();
+  EXPECT_NEAR(drops("no transform"), 12.0, 5.0);
+  EXPECT_LE(player.linesDropped() - drops("no transform"), 3.0);
 }
 
 TEST_F(TfFaults, aClockSetBackMixesNoTransforms) {

@@ -55,10 +55,65 @@ class Clouds(WithFolder):
         self.assert_fails(ppc("segment", self.folder / "pipe.pcd"), "pipe.pcd", "not a regular file")
         self.assert_fails(ppc("segment", "/dev/null"), "/dev/null", "not a regular file")
 
-    @unittest.skipIf(os.geteuid() == 0, "root may read everything")
     def test_unreadable(self):
         self.cloud.chmod(0)
-        self.assert_fails(ppc("segment", self.cloud), "wall.pcd", "permission")
+        if os.geteuid() != 0:
+            return self.assert_fails(ppc("segment", self.cloud), "wall.pcd", "permission")
+        # Root may read everything: the program runs as somebody else, if that somebody may run it.
+        self.folder.chmod(0o755)
+        nobody = {"user": 65534, "group": 65534, "extra_groups": []}
+        try:
+            subprocess.run([PPC, "--help"], stdout=subprocess.DEVNULL, check=True, **nobody)
+        except (OSError, subprocess.SubprocessError):
+            self.skipTest("only root may run the program")
+        run = subprocess.run([PPC, "segment", str(self.cloud)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **nobody)
+        self.assert_fails(run, "wall.pcd", "permission")
+
+    def test_outputs_with_one_name(self):
+        before = self.cloud.read_bytes()
+        (self.folder / "link.pcd").symlink_to(self.cloud)
+        (self.folder / "hard.pcd").hardlink_to(self.cloud)
+        for name in ("wall.pcd", "link.pcd", "hard.pcd", "../" + self.folder.name + "/wall.pcd"):
+            with self.subTest(name):
+                self.assert_fails(ppc("segment", self.cloud, "--polygons", self.folder / name), name, "is the input")
+        config, picture = self.folder / "c.yaml", self.folder / "p.png"
+        config.write_text("patch_size: 4\n")
+        self.assert_fails(ppc("segment", self.cloud, "--config", config, "--mesh", config), "c.yaml", "is the input")
+        self.assert_fails(ppc("segment", self.cloud, "--labels", picture, "--picture", picture), "p.png", "two outputs")
+        self.assert_fails(ppc("simulate", "--pcd", picture, "--truth", picture), "p.png", "two outputs")
+        self.assertEqual(self.cloud.read_bytes(), before)
+        self.assertEqual(config.read_text(), "patch_size: 4\n")
+        self.assertFalse(picture.exists())
+
+    def test_standard_output_that_is_full_or_closed(self):
+        command = [PPC, "segment", str(self.cloud), "--polygons", str(self.folder / "p.json")]
+        with open("/dev/full", "w", encoding="ascii") as full:
+            run = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True)
+        self.assert_fails(run, "standard output", "disk full")
+        # Nobody listens, and the statistics go nowhere: not into the first file that is opened.
+        closed = subprocess.run(["sh", "-c", 'exec "$@" <&- >&- 2>&-', "sh"] + command)
+        self.assertEqual(closed.returncode, 0)
+        self.assertEqual(len(json.loads((self.folder / "p.json").read_text())["planes"]), 1)
+
+    def test_usage_errors_are_one_line(self):
+        self.assert_fails(ppc("segmen", self.cloud), "unknown subcommand 'segmen'")
+        self.assert_fails(ppc(), "subcommand")
+        self.assert_fails(ppc("segment"), "input")
+        self.assert_fails(ppc("segment", self.cloud, self.cloud), "wall.pcd")
+        self.assert_fails(ppc("segment", self.cloud, "--repeat", "0"), "--repeat", "0", "1 to 100000")
+        self.assert_fails(ppc("segment", self.cloud, "--set", "p\u00e4tch_size=4"), "'p\u00e4tch_size'", "patch_size")
+        self.assert_fails(ppc("segment", self.cloud, "--set", "patch_size=\uff14"), "'\uff14' is not a whole number in [2, 64]")
+
+    def test_a_viewpoint_is_left_out_and_told(self):
+        whole = self.cloud.read_bytes()
+        results = []
+        for pose in (b"0 0 0 1 0 0 0", b"1 2 3 0.7071 0.7071 0 0", b"nan 0 0 1 0 0 0"):
+            self.cloud.write_bytes(whole.replace(b"0 0 0 1 0 0 0", pose))
+            run = ppc("segment", self.cloud, "--polygons", self.folder / "p.json")
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertEqual("VIEWPOINT" in run.stderr, bool(results), run.stderr)
+            results.append((self.folder / "p.json").read_text())
+        self.assertEqual(len(set(results)), 1)
 
     def test_outputs_that_cannot_be(self):
         os.mkfifo(self.folder / "pipe.json")
@@ -99,10 +154,21 @@ class Clouds(WithFolder):
     def test_configuration_files(self):
         for name, content in (("empty.yaml", b""), ("binary.yaml", bytes(range(256))), ("list.yaml", b"- 1\n"),
                               ("nested.yaml", b"patch_size: {a: 1}\n"), ("deep.yaml", b"[" * 100000),
-                              ("range.yaml", b"min_size: -5\n"), ("kind.yaml", b"refine: maybe\n")):
+                              ("map_as_name.yaml", b"? {a: b}\n: 4\n"), ("loop.yaml", b"a: &a [*a]\n"), ("tab.yaml", b"\tmerge: 1\n")):
             with self.subTest(name):
                 (self.folder / name).write_bytes(content)
                 self.assert_fails(ppc("segment", self.cloud, "--config", self.folder / name), name)
+        for content, words in (("min_size: -5", ("'min_size' = -5", "[3, 1000000]")), ("refine: maybe", ("'refine' = 'maybe'", "true or false")),
+                               ("patch_size: [4]", ("'patch_size' = '[4]'", "[2, 64]")), ("patch_size: ~", ("'patch_size' = '~'", "[2, 64]")),
+                               ("sigma_angle: wide", ("'sigma_angle' = 'wide' is not a number in [0.001, 1]",)),
+                               ("merge: on\nmerge: off", ("'merge' twice",)), ("ppc: {merge: on}", ("unknown parameter 'ppc'",))):
+            with self.subTest(content):
+                (self.folder / "c.yaml").write_text(content + "\n")
+                self.assert_fails(ppc("segment", self.cloud, "--config", self.folder / "c.yaml"), "c.yaml", *words)
+        # What `rosparam load` understands.
+        (self.folder / "c.yaml").write_text("# a comment\npatch_size: &k 5\nmin_hole_size: *k\nrefine: Yes\nmerge: TRUE\n'second_pass': off\r\n")
+        run = ppc("segment", self.cloud, "--config", self.folder / "c.yaml")
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
         self.assert_fails(ppc("segment", self.cloud, "--config", self.folder), "directory")
         self.assert_fails(ppc("segment", self.cloud, "--config", self.folder / "none.yaml"), "none.yaml", "no such file")
 
@@ -211,6 +277,19 @@ class Bags(WithFolder):
             with self.subTest(name):
                 self.assert_fails(ppc_on_a_full_disk(40, "simulate", "--lines", 30, option, self.folder / name), name)
         self.assertEqual([p.name for p in self.folder.iterdir()], ["s.bag"])
+
+    def test_interrupted_it_leaves_nothing(self):
+        long = self.folder / "long.bag"
+        self.assertEqual(ppc("simulate", "--scene", "box", "--sensor", "urg_04lx", "--lines", 60, "--sweeps", 100, "--bag", long).returncode, 0)
+        for end in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            with self.subTest(end):
+                run = subprocess.Popen([PPC, "bag", str(long), str(self.folder / "out.bag")], stdout=subprocess.PIPE)
+                run.stdout.readline()  # it is at work
+                self.assertTrue(list(self.folder.glob(".out.*.tmp.bag")))
+                run.send_signal(end)
+                run.stdout.close()
+                self.assertEqual(run.wait(60), -end)
+                self.assertEqual(sorted(p.name for p in self.folder.iterdir()), ["long.bag", "s.bag"])
 
     def test_damaged_bags_end_in_one_line_or_a_whole_result(self):
         whole, chance = self.bag.read_bytes(), random.Random(1)

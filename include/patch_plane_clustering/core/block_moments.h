@@ -96,7 +96,7 @@ struct BlockMoments {
   }
 };
 
-inline double numberOf(double value, int) { return value; }
+inline double numberOf(double value, int /*k*/) { return value; }
 inline double numberOf(Pair pair, int k) { return pair[k]; }
 
 /// Moments of the k-th block, of `n` points.

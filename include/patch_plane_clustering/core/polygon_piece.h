@@ -20,10 +20,10 @@ struct PolygonPiece {
 /// @brief Simplifies the rings of one connected piece and makes sure that they bound it: simple, apart from each other,
 /// holes inside. Where simplified rings meet, their edges are refined until they do not. The area stays within four per cent
 /// of that of the full rings: where it would not, the tolerance is halved.
-/// @param rings outer ring first; holes have at least 3 points.
+/// @param outlines outer ring first; holes have at least 3 points.
 /// @return nothing if the outer ring has less than 3 points, or if even the full rings cross: the piece folds over itself on
 /// the plane.
-std::optional<PolygonPiece> makePiece(const std::vector<std::vector<OutlinePoint>>& rings,
+std::optional<PolygonPiece> makePiece(const std::vector<std::vector<OutlinePoint>>& outlines,
                                       const OutlineTolerance& tolerance);
 
 }  // namespace ppc

@@ -15,7 +15,6 @@
 #include <CLI/CLI.hpp>
 
 #include <chrono>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 
@@ -98,10 +97,7 @@ class Writer {
 void run(Options options) {
   if (options.prefix.empty() || options.prefix.back() != '/') options.prefix += '/';
   requireReadableFile(options.input);
-  std::error_code ignored;
-  if (std::filesystem::equivalent(options.input, options.output, ignored)) {
-    throw std::runtime_error(options.output + ": is the input; the output needs a name of its own");
-  }
+  requireDistinct({options.input, options.method.config_file}, {options.output});
   requireWritable(options.output);
   writeBag(options.output, [&](rosbag::Bag& out) {
     Writer writer(options, out);

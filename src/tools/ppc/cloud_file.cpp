@@ -43,22 +43,25 @@ std::vector<float> coordinates(const std::string& path, const pcl::PCLPointCloud
 
 }  // namespace
 
-BeamGrid readCloud(const std::string& path) {
+BeamGrid readCloud(const std::string& path, std::string* note) {
   requireReadableFile(path);
   checkPcdHeader(path);
   pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);  // one line of ours instead of several of PCL's
   pcl::PCLPointCloud2 cloud;
   int status = -1;
   std::string cause;
+  Eigen::Vector4f origin;
+  Eigen::Quaternionf orientation;
   try {
-    Eigen::Vector4f origin;
-    Eigen::Quaternionf orientation;
     int version = 0;
     status = pcl::PCDReader().read(path, cloud, origin, orientation, version);
   } catch (const std::exception& error) {
     cause = std::string(" (") + error.what() + ")";
   }
   if (status < 0) fail(path, "cannot be read as a PCD file" + cause);
+  const bool at_origin = origin.head<3>().isZero() && orientation.angularDistance(Eigen::Quaternionf::Identity()) < 1e-3F;
+  if (note != nullptr && !at_origin)
+    *note = path + ": its VIEWPOINT is left out; its points are taken as the sensor saw them";
   const auto x = coordinates(path, cloud, "x");
   const auto y = coordinates(path, cloud, "y");
   const auto z = coordinates(path, cloud, "z");

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
 
+#include "interruption.h"
+
 #include <opencv2/imgcodecs.hpp>
 
 #include <fcntl.h>
@@ -40,12 +42,29 @@ void requireWritable(const std::string& path) {
   throw std::runtime_error(path + ": cannot be written, folder " + name + " is missing or not writable");
 }
 
+void requireDistinct(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs) {
+  const auto same = [](const std::string& a, const std::string& b) {
+    std::error_code ignored;
+    return !a.empty() && !b.empty() &&
+           (fs::equivalent(a, b, ignored) || fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored));
+  };
+  for (auto output = outputs.begin(); output != outputs.end(); ++output) {
+    for (const std::string& input : inputs) {
+      if (same(input, *output)) throw std::runtime_error(*output + ": is the input; the output needs a name of its own");
+    }
+    for (auto other = outputs.begin(); other != output; ++other) {
+      if (same(*other, *output)) throw std::runtime_error(*output + ": is the name of two outputs; each needs its own");
+    }
+  }
+}
+
 void writeAtomically(const std::string& path, const std::function<void(const std::string&)>& write) {
   requireWritable(path);
   const fs::path target(path);
   const fs::path temporary = target.parent_path() / ("." + target.stem().string() + "." + std::to_string(getpid()) + ".tmp" +
                                                      target.extension().string());
   std::error_code error, ignored;
+  const RemovedWhenInterrupted guard(temporary.string());
   try {
     write(temporary.string());
   } catch (...) {

@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace ppc {
 
@@ -15,9 +16,12 @@ void requireReadableFile(const std::string& path);
 /// its folder. An empty path is fine.
 void requireWritable(const std::string& path);
 
+/// @brief Throws std::runtime_error naming an output that is one of the inputs, or is given twice. Empty paths are fine.
+void requireDistinct(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
+
 /// @brief Lets `write` fill a file beside `path` and renames it to `path` when it has succeeded, so that no output is ever
-/// half written. The temporary name keeps the extension. @throws std::runtime_error naming `path`; what `write` throws
-/// passes.
+/// half written; a program that is interrupted removes what it had begun. The temporary name keeps the extension. @throws
+/// std::runtime_error naming `path`; what `write` throws passes.
 void writeAtomically(const std::string& path, const std::function<void(const std::string& temporary)>& write);
 
 /// @brief Writes text, whole or not at all. An empty path writes nothing. @throws std::runtime_error naming the file.

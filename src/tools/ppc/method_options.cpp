@@ -4,20 +4,33 @@
 #include <yaml-cpp/yaml.h>
 #include "files.h"
 
+#include <algorithm>
+#include <set>
 #include <stdexcept>
 
 namespace ppc {
 namespace {
+
+// A list or a map is no value of any parameter; its text is for the message that says so.
+std::string inOneLine(const YAML::Node& node) {
+  if (node.IsScalar()) return node.Scalar();
+  YAML::Emitter text;
+  text << YAML::Flow << node;
+  std::string line = text.c_str();
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  return line.substr(0, 60);
+}
 
 void readYaml(const std::string& path, Config& config) {
   requireReadableFile(path);
   try {
     const YAML::Node root = YAML::LoadFile(path);
     if (!root.IsMap()) throw std::runtime_error("is not a list of 'name: value' lines");
+    std::set<std::string> names;
     for (const auto& entry : root) {
-      const auto name = entry.first.as<std::string>();
-      if (!entry.second.IsScalar()) throw std::runtime_error("the value of '" + name + "' is not a number");
-      setConfigField(config, name, entry.second.as<std::string>());
+      const std::string name = inOneLine(entry.first);
+      if (!names.insert(name).second) throw std::runtime_error("names '" + name + "' twice");
+      setConfigField(config, name, inOneLine(entry.second));
     }
   } catch (const std::exception& error) {
     throw std::runtime_error(path + ": " + error.what());

@@ -64,11 +64,16 @@ void segmentImage(const SegmentOptions& options, const Config& config, PlaneSegm
 }
 
 void run(const SegmentOptions& options) {
-  for (const auto& path : {options.labels, options.polygons, options.mesh, options.picture}) requireWritable(path);
+  const std::vector<std::string> outputs = {options.labels, options.polygons, options.mesh, options.picture};
+  requireDistinct({options.input, options.method.config_file}, outputs);
+  for (const std::string& path : outputs) requireWritable(path);
   const Config config = options.method.config();
   const auto method = options.method.segmenter();
   if (std::filesystem::path(options.input).extension() != ".bag") {
-    segmentImage(options, config, *method, readCloud(options.input), {}, 0, false);
+    std::string note;
+    const BeamGrid grid = readCloud(options.input, &note);
+    if (!note.empty()) std::cerr << note << "\n";
+    segmentImage(options, config, *method, grid, {}, 0, false);
     return;
   }
   int index = 0;

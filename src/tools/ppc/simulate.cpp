@@ -101,7 +101,9 @@ void run(const Options& o) {
   if (o.bag.empty() && o.pcd.empty() && o.truth.empty() && o.truth_planes.empty()) {
     throw std::invalid_argument("nothing to write: give --bag, --pcd, --truth or --truth-planes");
   }
-  for (const auto& path : {o.bag, o.pcd, o.truth}) requireWritable(path);
+  const std::vector<std::string> outputs = {o.bag, o.pcd, o.truth, o.truth_planes};
+  requireDistinct({}, outputs);
+  for (const std::string& path : outputs) requireWritable(path);
   const sim::Scanner scanner(sim::makeScene(o.scene, o.seed), scannerOptions(o), o.seed);
   if (!o.bag.empty()) {
     writeBag(o.bag, [&](rosbag::Bag& bag) { writeSimulatedBag(scanner, o.sweeps, bag); });
