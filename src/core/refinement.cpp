@@ -225,7 +225,7 @@ class PatchResolver {
         storeLanes(added.beams.valid ? fill(1.0F) : Lanes{}, costs_.at(r, added.x));
       }
     }
-    const std::size_t size = static_cast<std::size_t>((patch.row_end - patch.row_begin) * costs_.blocks());
+    const auto size = static_cast<std::size_t>((patch.row_end - patch.row_begin) * costs_.blocks());
     inverse_count_.resize(size);
     best_.resize(size);
     winner_.resize(size);
@@ -251,7 +251,7 @@ class PatchResolver {
       const std::size_t k = blockAt(patch, row, block);
       const Lanes mean = sum * inverse_count_[k];
       const Lanes total = mean + log_variance;
-      const Lanes own = loadLanes<Lanes>(own_.at(row, block * kLanes));
+      const auto own = loadLanes<Lanes>(own_.at(row, block * kLanes));
       const LaneMask better = (own <= fill(kMaxOwnResidual)) & (mean < fill(kMaxWindowCost)) & (total < best_[k]);
       best_[k] = better ? total : best_[k];
       winner_[k] = better ? fillMask(candidate) : winner_[k];

@@ -343,7 +343,7 @@ void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const Coplanar
       const auto [first, second] = borders.measure(&meetings[begin], meetings.data() + end);
       if (first.n < kMinBorderPoints || second.n < kMinBorderPoints) continue;
       if (stepSimilarity(first, second, joint, noise, tolerance) < threshold) continue;
-      if (s >= threshold || isBowed(a, b, first, second, tolerance)) candidates.push_back({-s, pair});
+      if (s >= threshold || isBowed(a, b, first, second, tolerance)) candidates.emplace_back(-s, pair);
     }
     if (candidates.empty()) break;
     std::sort(candidates.begin(), candidates.end());

@@ -99,7 +99,7 @@ std::vector<EdgePair> findMeetingEdges(const std::vector<Eigen::Vector2d>& ring)
   std::vector<Segment> segments = segmentsOf(rings);
   std::vector<EdgePair> pairs;
   forEachMeeting(rings, segments,
-                 [&](const Segment& s, const Segment& t) { pairs.push_back(std::minmax(s.id.edge, t.id.edge)); });
+                 [&](const Segment& s, const Segment& t) { pairs.emplace_back(std::minmax(s.id.edge, t.id.edge)); });
   std::sort(pairs.begin(), pairs.end());
   return pairs;
 }
