@@ -15,7 +15,7 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() 
 template <typename At>
 double ringArea(std::size_t n, const At& at) {
   if (n < 3) return 0.0;
-  const Eigen::Vector2d origin = at(0);
+  const Eigen::Vector2d& origin = at(0);
   double twice = 0.0;
   for (std::size_t i = 1; i + 1 < n; ++i) twice += cross(at(i) - origin, at(i + 1) - origin);
   return 0.5 * twice;

@@ -44,7 +44,7 @@ std::vector<Eigen::Vector3d> trueOutline(const BeamGrid& beams, const LabelImage
     if (std::abs(u.dot(region.plane.normal)) < kMinSine) return;
     const Eigen::Vector3d from = origin.cast<double>();
     const double range = region.plane.rangeAlong(from, u);
-    if (range > 0.0) outline.push_back(from + range * u);
+    if (range > 0.0) outline.emplace_back(from + range * u);
   };
   for (int r = 0; r < truth.rows; ++r) {
     for (int c = 0; c < truth.cols; ++c) {
