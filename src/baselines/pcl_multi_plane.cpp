@@ -29,14 +29,15 @@ class PclMultiPlane : public PlaneSegmenter {
 
     LabelImage image = noLabels(grid);
     std::vector<int> pixels = validPixels(grid);
-    if (static_cast<int>(pixels.size()) < config.min_size || grid.rows < 3 || grid.cols < 3) return image;
+    const int min_size = smallestRegion(config, grid.size());
+    if (static_cast<int>(pixels.size()) < min_size || grid.rows < 3 || grid.cols < 3) return image;
     const auto middle = pixels.begin() + static_cast<std::ptrdiff_t>(pixels.size() / 2);
     std::nth_element(pixels.begin(), middle, pixels.end(), [&](int a, int b) { return grid.range[a] < grid.range[b]; });
 
     pcl::OrganizedMultiPlaneSegmentation<pcl::PointXYZ, pcl::Normal, pcl::Label> planes;
     planes.setInputCloud(cloud);
     planes.setInputNormals(normals);
-    planes.setMinInliers(static_cast<unsigned>(config.min_size));
+    planes.setMinInliers(static_cast<unsigned>(min_size));
     planes.setAngularThreshold(parameter("angle"));
     planes.setDistanceThreshold(parameter("distance") * noise.sigma(grid.range[*middle]));
     planes.setMaximumCurvature(parameter("curvature"));

@@ -31,12 +31,13 @@ class PclRegionGrowing : public PlaneSegmenter {
     LabelImage labels = noLabels(grid);
     // PCL's kd-tree wants finite points only, so the valid ones are copied out.
     const std::vector<int> pixels = validPixels(grid);
-    if (static_cast<int>(pixels.size()) < config.min_size) return labels;
+    const int min_size = smallestRegion(config, grid.size());
+    if (static_cast<int>(pixels.size()) < min_size) return labels;
     pcl::PointCloud<pcl::PointXYZ>::Ptr points(new pcl::PointCloud<pcl::PointXYZ>(*cloud, pixels));
     pcl::PointCloud<pcl::Normal>::Ptr point_normals(new pcl::PointCloud<pcl::Normal>(*normals, pixels));
     pcl::RegionGrowing<pcl::PointXYZ, pcl::Normal> growing;
     pcl::search::KdTree<pcl::PointXYZ>::Ptr tree(new pcl::search::KdTree<pcl::PointXYZ>);
-    growing.setMinClusterSize(config.min_size);
+    growing.setMinClusterSize(min_size);
     growing.setMaxClusterSize(std::numeric_limits<int>::max());
     growing.setSearchMethod(tree);
     growing.setNumberOfNeighbours(static_cast<unsigned>(parameter("neighbours")));

@@ -68,13 +68,14 @@ class Ransac : public PlaneSegmenter {
     }
     std::int32_t label = 0;
     const double distance = parameter("distance");
-    for (int failures = 0; failures < kFailures && static_cast<int>(pool.size()) >= config.min_size;) {
+    const int min_size = smallestRegion(config, grid.size());
+    for (int failures = 0; failures < kFailures && static_cast<int>(pool.size()) >= min_size;) {
       const Plane plane = bestPlane(cloud, pool, sigmas);
       std::vector<int> inliers;
       for (const int i : pool) {
         if (std::abs(plane.signedDistance(grid.point(i).cast<double>())) < distance * sigmas[i]) inliers.push_back(i);
       }
-      const int parts = labelParts(grid, inliers, config.min_size, in_pool, label, labels);
+      const int parts = labelParts(grid, inliers, min_size, in_pool, label, labels);
       failures = parts > 0 ? 0 : failures + 1;
       if (parts == 0) {  // do not find the same plane again
         for (const int i : inliers) in_pool[i] = 0;

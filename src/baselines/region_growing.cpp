@@ -112,7 +112,7 @@ class Growing {
       square = sums_.n * local_.mean_square / (sigma * sigma);
       next_fit = std::max(sums_.n + 6, static_cast<int>(sums_.n * kRefitGrowth));
     }
-    const bool large = sums_.n >= config_.min_size;
+    const bool large = sums_.n >= smallestRegion(config_, grid_.size());
     if (large) ++regions_;
     for (const int i : members_) {
       tried_[i] = 1;

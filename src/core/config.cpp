@@ -37,7 +37,7 @@ std::vector<ConfigField> makeFields() {
       PPC_FIELD("noise_aware", Type::kBool, 0, 1, noise_aware,
                 "add the noise of the fits to sigma_angle and sigma_distance, not those alone"),
       PPC_FIELD("merge", Type::kBool, 0, 1, merge, "merge clusters that one plane explains"),
-      PPC_FIELD("min_size", Type::kInt, 3, 1000000, min_size, "smallest region [points]"),
+      PPC_FIELD("min_size", Type::kInt, 0, 1000000, min_size, "smallest region, 0 = by the size of the image [points]"),
       PPC_FIELD("refine", Type::kBool, 0, 1, refine, "assign points one by one along the borders of clusters"),
       PPC_FIELD("second_pass", Type::kBool, 0, 1, second_pass,
                 "look for thin regions with smaller patches in what the first pass left over"),
@@ -84,6 +84,12 @@ const ConfigField& fieldNamed(const std::string& name) {
 }
 
 }  // namespace
+
+int smallestRegion(const Config& config, int pixels) {
+  constexpr int kPixelsAPoint = 550, kLeast = 100, kMost = 350;
+  // Three points make a plane.
+  return config.min_size > 0 ? std::max(3, config.min_size) : std::clamp(pixels / kPixelsAPoint, kLeast, kMost);
+}
 
 const std::vector<ConfigField>& configFields() {
   static const std::vector<ConfigField> fields = makeFields();

@@ -48,7 +48,7 @@ std::int32_t addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, cons
   const std::int32_t first = 1 + highestLabel(labels);
   std::int32_t next = first;
   for (const Cluster& cluster : clusters.clusters) {
-    if (cluster.moments.n < config.min_size / 4) continue;
+    if (cluster.moments.n < smallestRegion(config, grid.size()) / 4) continue;
     for (int m = cluster.begin; m < cluster.end; ++m) {
       const Patch& patch = patches.patches[clusters.members[m]];
       for (int r = patch.row_begin; r < patch.row_end; ++r) {
@@ -141,7 +141,7 @@ Segmentation finishSegmentation(const BeamGrid& grid, LabelImage labels, const C
   Segmentation result;
   result.stages = std::move(stages);
   StageTimer timer(&result.stages);
-  renumberBySize(grid, config.min_size, labels);
+  renumberBySize(grid, smallestRegion(config, grid.size()), labels);
   result.regions = describeRegions(grid, labels, config.threads);
   timer.lap("statistics");
   result.polygons = extractPolygons(grid, labels, result.regions, config.polygons, config.threads);

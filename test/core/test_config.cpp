@@ -31,6 +31,17 @@ TEST(Config, DefaultsAreWithinTheirRanges) {
   }
 }
 
+TEST(Config, SmallestRegionFollowsTheImageUnlessItIsGiven) {
+  Config config;
+  EXPECT_EQ(smallestRegion(config, 300 * 1081), 350);
+  EXPECT_EQ(smallestRegion(config, 300 * 361), 196);
+  EXPECT_EQ(smallestRegion(config, 90 * 361), 100);
+  config.min_size = 40;
+  EXPECT_EQ(smallestRegion(config, 300 * 1081), 40);
+  config.min_size = 1;
+  EXPECT_EQ(smallestRegion(config, 300 * 1081), 3);
+}
+
 TEST(Config, EveryFieldIsSetAndReadByItsOwnName) {
   for (const ConfigField& field : configFields()) {
     Config config;

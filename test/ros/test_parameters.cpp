@@ -50,7 +50,7 @@ TEST(Parameters, BadValuesAreNamedAndTheDefaultIsKept) {
   expectContains(about(errors, "patch_size"), "= 1000 is not a whole number in [2, 64]");
   expectContains(about(errors, "sigma_angle"), "= wide is not a number in [0.001, 1]");
   expectContains(about(errors, "refine"), "= 2 is not true or false");
-  expectContains(about(errors, "min_size"), "= 100.5 is not a whole number in [3, 1000000]");
+  expectContains(about(errors, "min_size"), "= 100.5 is not a whole number in [0, 1000000]");
   expectContains(about(errors, "similarity_threshold"), "= nan is not a number in [0.001, 0.999]");
   expectContains(about(errors, "method"), "= magic is not one of ppc, ransac");
   expectContains(about(errors, "name"), "= 3 is not a text");

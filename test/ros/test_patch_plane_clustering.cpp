@@ -222,7 +222,7 @@ TEST_F(PatchPlaneClusteringTest, ReconfigurationChangesTheNextResult) {
   ASSERT_TRUE(ros::service::call("/ppc/set_parameters", call));
   EXPECT_EQ(intOf(call.response.config, "min_size"), 1000000);
   EXPECT_TRUE(answerTo(image_publisher_, scanMessage({plate()}, 401.0)).polygons.empty());
-  call.request.config = setting("min_size", 350);
+  call.request.config = setting("min_size", 0);
   ASSERT_TRUE(ros::service::call("/ppc/set_parameters", call));
   EXPECT_EQ(answerTo(image_publisher_, scanMessage({plate()}, 402.0)).polygons.size(), 1U);
 }

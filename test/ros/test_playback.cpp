@@ -123,7 +123,7 @@ TEST(Playback, aLoopingBagGivesTheSameSweepsAgainAndIsTunedMeanwhile) {
   Program tune({"rosrun", "dynamic_reconfigure", "dynparam", "set", "/ppc", "min_size", "900000"});
   EXPECT_EQ(tune.wait(), 0);
   ASSERT_TRUE(waitFor([&] { return !statistics.empty() && statistics.back()->polygons == 0; }, 20.0));
-  Program tune_back({"rosrun", "dynamic_reconfigure", "dynparam", "set", "/ppc", "min_size", "350"});
+  Program tune_back({"rosrun", "dynamic_reconfigure", "dynparam", "set", "/ppc", "min_size", "0"});
   EXPECT_EQ(tune_back.wait(), 0);
   ASSERT_TRUE(waitFor([&] { return statistics.back()->polygons >= 3; }, 20.0));
   Program patches({"rosrun", "dynamic_reconfigure", "dynparam", "set", "/ppc", "patch_size", "9"});

@@ -20,7 +20,7 @@ struct Config {
   bool running_plane = true;          ///< compare patches with the plane of the whole cluster; false: with the neighbour
   bool noise_aware = true;            ///< add the noise to both sigmas; false: Gaussians of the sigmas alone
   bool merge = true;                  ///< merge clusters that one plane explains
-  int min_size = 350;                 ///< smallest region [points]
+  int min_size = 0;                   ///< smallest region [points]; 0: by the size of the image, see smallestRegion()
   bool refine = true;                 ///< assign points one by one along the borders of clusters
   bool second_pass = true;            ///< look for thin regions with smaller patches in what the first pass left over
   double max_turn = 0.45;             ///< regions whose normal turns by more from end to end are curved [rad]
@@ -29,6 +29,10 @@ struct Config {
   SensorModel sensor;
   PolygonOptions polygons;
 };
+
+/// @brief Points that a region must have at least: config.min_size (but no less than 3) or, if that is 0, one for every 550
+/// pixels of the image, 100 to 350. A fixed number would leave out of a coarse scan what a person calls a wall.
+int smallestRegion(const Config& config, int pixels);
 
 /// @brief One tunable field: its public name, meaning, unit and allowed range. Booleans and integers are carried as doubles.
 struct ConfigField {
