@@ -31,7 +31,7 @@ double plainSimilarity(const Patch& from, const Cluster& cluster, const Patch& p
   const double sigma = noise.sigma(patch.range);
   const double precision = std::min(patch.moments.n, from.moments.n) / (sigma * sigma);
   return similarity(joint.chi2 - from.fit.chi2 - patch.fit.chi2, precision, patch.moments.radius(),
-                    secantSquared(joint.a, patch.range), tolerance);
+                    secantSquared(joint.a, patch.range), tolerance.forNoise(sigma));
 }
 
 // Residuals as small as the noise and the tolerance allow.
@@ -39,7 +39,8 @@ bool isFlat(const Moments& m, const PlaneFit& fit, double range, const NoiseMode
             const CoplanarityTolerance& tolerance) {
   const double sigma = noise.sigma(range);
   const double dof = m.n - 3;
-  const double slack = tolerance.sigma_distance * tolerance.sigma_distance * secantSquared(fit.a, range) / (sigma * sigma);
+  const double distance = tolerance.forNoise(sigma).sigma_distance;
+  const double slack = distance * distance * secantSquared(fit.a, range) / (sigma * sigma);
   return fit.chi2 < dof * (1.0 + slack) + 3.3 * std::sqrt(2.0 * dof * tolerance.inflationOf(m.n));
 }
 
@@ -54,9 +55,8 @@ void measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const C
     const double sigma = noise.sigma(patch.range);
     const double uncertainty =
         sigma * std::sqrt(tolerance.inflation / (patch.moments.n * secantSquared(patch.fit.a, patch.range)));
-    const int rings = uncertainty > kTwoRings * tolerance.sigma_distance  ? 2
-                      : uncertainty > kOneRing * tolerance.sigma_distance ? 1
-                                                                          : 0;
+    const double distance = tolerance.forNoise(sigma).sigma_distance;
+    const int rings = uncertainty > kTwoRings * distance ? 2 : uncertainty > kOneRing * distance ? 1 : 0;
     if (rings == 0) continue;
     const auto take = [&](int j) {
       if (memory.reached[j] == i || !grid.patches[j].planar) return;
@@ -180,9 +180,10 @@ void growClusters(const PatchGrid& grid, const NoiseModel& noise, const Coplanar
           if (plainSimilarity(from, cluster, patch, noise, tolerance, comparison) < threshold) return;
         } else {
           const double sigma = noise.sigma(patch.range);
+          const CoplanarityTolerance local = tolerance.forNoise(sigma);
           const double precision = std::min(patch.moments.n, cluster.moments.n) / (sigma * sigma);
           const double cost = misfit(fit.chi2 - cluster.fit.chi2 - patch.fit.chi2, precision, radius[j],
-                                     secantSquared(fit.a, patch.range), tolerance);
+                                     secantSquared(fit.a, patch.range), local);
           if (cost > greatest) return;
           const int around = memory.around_of[j];
           if (around >= 0 && cluster.moments.n > kClusterSizes * memory.around[around].moments.n) {
@@ -190,7 +191,7 @@ void growClusters(const PatchGrid& grid, const NoiseModel& noise, const Coplanar
             const PlaneFit wide_fit = fitPlane(cluster.moments + wide.moments);
             const double wide_cost =
                 misfit(wide_fit.chi2 - cluster.fit.chi2 - wide.fit.chi2, wide.moments.n / (sigma * sigma), wide.radius,
-                       secantSquared(wide_fit.a, patch.range), tolerance, wide.inflation);
+                       secantSquared(wide_fit.a, patch.range), local, wide.inflation);
             if (wide_cost > greatest) return;
           }
         }

@@ -28,7 +28,7 @@ std::vector<ConfigField> makeFields() {
       PPC_FIELD("sigma_angle", Type::kDouble, 0.001, 1.0, sigma_angle,
                 "model tolerance of the angle between coplanar patches [rad]"),
       PPC_FIELD("sigma_distance", Type::kDouble, 0.0001, 1.0, sigma_distance,
-                "model tolerance of the distance between coplanar patches [m]"),
+                "model tolerance of the distance between coplanar patches, in proportion less below 2.5 mm of noise [m]"),
       PPC_FIELD("similarity_threshold", Type::kDouble, 0.001, 0.999, similarity_threshold,
                 "patches of at least this Gaussian similarity are coplanar [1]"),
       PPC_FIELD("equal_angle", Type::kBool, 0, 1, equal_angle, "patches of about equal solid angle, not square in pixels"),

@@ -23,6 +23,8 @@ constexpr int kStripSizes = 2;          // largest size of such a strip over its
 constexpr double kWeakTurn = 0.31;      // of a strip beside a curved one, in max_turn
 constexpr double kWeakAmplitude = 0.2;  // likewise, in tolerances of distance
 constexpr double kFanAngle = 0.54;      // smallest angle between two strips of a fan, in max_turn
+constexpr double kNarrowAngle = 0.22;   // likewise, if they bend as they are turned against each other
+constexpr double kNarrowTurn = 0.6;     // turn of each over the angle between them that makes it so
 constexpr int kFanSizes = 6;            // largest ratio of their sizes
 constexpr double kFanRatio = 0.15;      // misfit of one quadratic surface over that of one plane, for two strips of a fan
 constexpr double kFanMisfit = 0.1;      // the same misfit per point, in units of the noise variance
@@ -43,6 +45,7 @@ struct SampledRegion {
   std::int32_t id = 0;
   int points = 0;
   Plane plane;
+  Bend bend;
   std::vector<Sample> samples;
 };
 
@@ -197,12 +200,8 @@ std::set<std::pair<std::int32_t, std::int32_t>> touchingLabels(const LabelImage&
   return pairs;
 }
 
-// One smooth surface serves both as well as two of their own would, one plane does not: strips of a fan.
-bool isFan(const SampledRegion& a, const SampledRegion& b, const CoplanarityTolerance& tolerance, double max_turn) {
-  // A scrap beside a large plane proves nothing about the plane.
-  if (a.points > kFanSizes * b.points || b.points > kFanSizes * a.points) return false;
-  const double cosine = a.plane.normal.dot(b.plane.normal);
-  if (cosine > std::cos(kFanAngle * max_turn) || cosine < 0.6) return false;
+// One smooth surface serves both as well as two of their own would, one plane does not.
+bool isSmooth(const SampledRegion& a, const SampledRegion& b, const CoplanarityTolerance& tolerance) {
   const Eigen::Vector3d n = (a.points * a.plane.normal + b.points * b.plane.normal).normalized();
   const QuadraticFit fit_a = fitQuadratic(n, {&a.samples});
   const QuadraticFit fit_b = fitQuadratic(n, {&b.samples});
@@ -210,7 +209,26 @@ bool isFan(const SampledRegion& a, const SampledRegion& b, const CoplanarityTole
   const double plane_excess = both.plane_chi2 - fit_a.plane_chi2 - fit_b.plane_chi2;
   const double quadratic_excess = both.quadratic_chi2 - fit_a.quadratic_chi2 - fit_b.quadratic_chi2;
   return plane_excess > kSignificance * tolerance.inflation && quadratic_excess < kFanRatio * plane_excess &&
-         quadratic_excess < kFanMisfit * tolerance.inflation * both.points;
+         quadratic_excess < kFanMisfit * (tolerance.inflation * both.points +
+                                          tolerance.sigma_distance * tolerance.sigma_distance * both.weight);
+}
+
+// Whether neighbours are turned against each other by more than an angle [rad], and not as the sides of an edge.
+bool isTurned(const SampledRegion& a, const SampledRegion& b, double min_angle) {
+  const double cosine = a.plane.normal.dot(b.plane.normal);
+  return cosine < std::cos(min_angle) && cosine > 0.6;
+}
+
+// Two strips of a fan: well turned against each other, or each bent by about as much as they are.
+bool isFan(const SampledRegion& a, const SampledRegion& b, const CoplanarityTolerance& tolerance, double max_turn) {
+  // A scrap beside a large plane proves nothing about the plane.
+  if (a.points > kFanSizes * b.points || b.points > kFanSizes * a.points) return false;
+  if (!isTurned(a, b, kNarrowAngle * max_turn)) return false;
+  const auto bends = [&](const Bend& bend) {
+    const double angle = std::acos(std::min(1.0, a.plane.normal.dot(b.plane.normal)));
+    return bend.turn > kNarrowTurn * angle && bend.excess > kSignificance * tolerance.inflation;
+  };
+  return (isTurned(a, b, kFanAngle * max_turn) || (bends(a.bend) && bends(b.bend))) && isSmooth(a, b, tolerance);
 }
 
 // Root mean square distance of samples from a plane, their noise taken out [m].
@@ -244,6 +262,7 @@ std::vector<SampledRegion> sampleRegions(const BeamGrid& grid, const LabelImage&
       if (pixels[label].size() < 3) continue;
       const int stride = std::max(1, count[label] / kMaxSamples);
       regions[label] = sampleRegion(grid, label, count[label], stride, pixels[label], noise);
+      regions[label].bend = bendOf(fitQuadratic(regions[label].plane.normal, {&regions[label].samples}));
     }
   });
   return regions;
@@ -253,9 +272,7 @@ std::vector<SampledRegion> sampleRegions(const BeamGrid& grid, const LabelImage&
 
 std::vector<Bend> measureBends(const BeamGrid& grid, const LabelImage& labels, const NoiseModel& noise) {
   std::vector<Bend> bends;
-  for (const SampledRegion& region : sampleRegions(grid, labels, noise, 1)) {
-    bends.push_back(bendOf(fitQuadratic(region.plane.normal, {&region.samples})));
-  }
+  for (const SampledRegion& region : sampleRegions(grid, labels, noise, 1)) bends.push_back(region.bend);
   return bends;
 }
 
@@ -264,7 +281,7 @@ void dropCurvedRegions(const BeamGrid& grid, const NoiseModel& noise, const Copl
   const std::vector<SampledRegion> regions = sampleRegions(grid, labels, noise, threads);
   std::vector<bool> curved(regions.size(), false), weak(regions.size(), false);
   for (std::size_t label = 1; label < regions.size(); ++label) {
-    const Bend bend = bendOf(fitQuadratic(regions[label].plane.normal, {&regions[label].samples}));
+    const Bend& bend = regions[label].bend;
     weak[label] = bend.turn > kWeakTurn * max_turn && bend.amplitude > kWeakAmplitude * tolerance.sigma_distance &&
                   bend.excess > kSignificance * tolerance.inflation;
     curved[label] = weak[label] && bend.turn > max_turn && bend.amplitude > kMinAmplitude * tolerance.sigma_distance;
@@ -276,10 +293,12 @@ void dropCurvedRegions(const BeamGrid& grid, const NoiseModel& noise, const Copl
   }
   // A strip that bends less, but beside a curved one of about its size, is more of the same surface.
   const std::vector<bool> certain = curved;
-  for (const auto& [a, b] : touching) {
-    if (certain[a] == certain[b]) continue;
-    const std::int32_t strip = certain[a] ? b : a, beside = certain[a] ? a : b;
-    if (weak[strip] && regions[strip].points < kStripSizes * regions[beside].points) curved[strip] = true;
+  for (const auto& [first, second] : touching) {
+    if (certain[first] == certain[second]) continue;
+    const std::int32_t strip = certain[first] ? second : first, beside = certain[first] ? first : second;
+    if (regions[strip].points >= kStripSizes * regions[beside].points) continue;
+    const SampledRegion &a = regions[strip], &b = regions[beside];
+    if (weak[strip] || (isTurned(a, b, kNarrowAngle * max_turn) && isSmooth(a, b, tolerance))) curved[strip] = true;
   }
   // A bent strip along a larger plane that it hardly leaves is the soft edge of that plane.
   std::vector<std::int32_t> renamed(regions.size());

@@ -22,13 +22,14 @@ constexpr float kMaxInnerResidual = 36.0F;  // the same amid a region, where not
 // variance changes little over a cell: it is taken at one pixel.
 class CellResiduals {
  public:
-  CellResiduals(const BeamGrid& grid, const Eigen::Vector3f& center, const NoiseModel& noise, float floor, int pixel,
-                const Eigen::Vector3f& a)
+  CellResiduals(const BeamGrid& grid, const Eigen::Vector3f& center, const NoiseModel& noise,
+                const CoplanarityTolerance& tolerance, int pixel, const Eigen::Vector3f& a)
       : a_(a), offset_(1.0F + a.dot(center)) {
     const float range = grid.range[pixel];
     const float along = a.dot(grid.direction(pixel));
     const float sec2 = std::min(30.0F, a.squaredNorm() / (along * along));
     const auto sigma = static_cast<float>(noise.sigma(range));
+    const auto floor = static_cast<float>(tolerance.forNoise(sigma).sigma_distance);
     const float variance = sigma * sigma + floor * floor * sec2;
     precision_ = 1.0F / variance;
     variance_ratio_ = variance / (sigma * sigma);
@@ -162,8 +163,8 @@ class PatchResolver {
         patches_(patches),
         planes_(planes),
         noise_(noise),
-        center_(patches.center.cast<float>()),
-        floor_(static_cast<float>(tolerance.sigma_distance)) {}
+        tolerance_(tolerance),
+        center_(patches.center.cast<float>()) {}
 
   /// Clears the pixels of a cell that its only label does not explain. @return whether there are any.
   bool clearOutliers(const Patch& cell, std::int32_t label, LabelImage& out) const {
@@ -207,7 +208,7 @@ class PatchResolver {
 
  private:
   CellResiduals residuals(int pixel, std::int32_t label) const {
-    return CellResiduals(grid_, center_, noise_, floor_, pixel, planes_[label].cast<float>());
+    return CellResiduals(grid_, center_, noise_, tolerance_, pixel, planes_[label].cast<float>());
   }
 
   // Beams of the window, and how many of them each pixel's own window counts.
@@ -271,8 +272,8 @@ class PatchResolver {
   const PatchGrid& patches_;
   const std::vector<Eigen::Vector3d>& planes_;
   const NoiseModel& noise_;
+  const CoplanarityTolerance& tolerance_;
   Eigen::Vector3f center_;
-  float floor_;
   std::vector<WindowBeams> beams_;
   CellWindow costs_, own_;
   std::vector<Lanes> inverse_count_, best_;

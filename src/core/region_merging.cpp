@@ -38,16 +38,16 @@ struct Whole {
 // One plane for both as wholes. Walls bow: regions that are hardly turned against each other may differ by more.
 double wholeSimilarity(const Whole& a, const Whole& b, const PlaneFit& joint, const NoiseModel& noise,
                        const CoplanarityTolerance& tolerance) {
-  CoplanarityTolerance whole = tolerance;
+  const Moments& small = a.moments.n < b.moments.n ? a.moments : b.moments;
+  const double range = small.mean().norm();
+  const double sigma = noise.sigma(range);
+  CoplanarityTolerance whole = tolerance.forNoise(sigma);
   whole.sigma_distance *= kWholeTolerance;
   double max_radius = kMaxRadius;
   if (a.fit.normal().dot(b.fit.normal()) > std::cos(kHardlyTurned * tolerance.sigma_angle)) {
     whole.sigma_angle *= kWholeTurn;
     max_radius = kMaxBowRadius;
   }
-  const Moments& small = a.moments.n < b.moments.n ? a.moments : b.moments;
-  const double range = small.mean().norm();
-  const double sigma = noise.sigma(range);
   whole.inflation = tolerance.inflationOf(small.n);
   return similarity(joint.chi2 - a.fit.chi2 - b.fit.chi2, small.n / (sigma * sigma), std::min(small.radius(), max_radius),
                     secantSquared(joint.a, range), whole);
@@ -61,7 +61,7 @@ double stepSimilarity(const Moments& a, const Moments& b, const PlaneFit& joint,
   const double sigma = noise.sigma(range);
   const double variance =
       sigma * sigma / secantSquared(joint.a, range) * (tolerance.inflationOf(a.n) / a.n + tolerance.inflationOf(b.n) / b.n);
-  const double step = kStepTolerance * tolerance.sigma_distance;
+  const double step = kStepTolerance * tolerance.forNoise(sigma).sigma_distance;
   return std::exp(-0.5 * gap * gap / (variance + step * step));
 }
 

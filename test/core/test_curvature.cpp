@@ -32,7 +32,9 @@ struct Scene {
     }
   }
 
-  void drop(double max_turn = kMaxTurn) { dropCurvedRegions(grid, kNoise, kTolerance, max_turn, labels); }
+  void drop(double max_turn = kMaxTurn, const NoiseModel& noise = kNoise) {
+    dropCurvedRegions(grid, noise, kTolerance, max_turn, labels);
+  }
 };
 
 // A wall 3 m ahead whose middle bulges towards the sensor by `bow` over 3 m, parabola in y.
@@ -92,6 +94,15 @@ TEST(DropCurvedRegions, ClearsStripsOfAFan) {
   scene.stripsOfColumn(0.3, 0.6);  // each turns by less than the limit
   ASSERT_GT(countOf(scene.labels, 4), 100);
   scene.drop();
+  EXPECT_EQ(countOf(scene.labels, 0), scene.grid.size());
+}
+
+// A column is no parabola, and a fine sensor sees the difference; it is well below the tolerance.
+TEST(DropCurvedRegions, ClearsStripsOfAFanAlsoForAFineSensor) {
+  const NoiseModel fine(SensorModel{0.0005, 0.0005, 10.0, 0.0}, 1.0);
+  Scene scene({column(4.0, 0.0, 1.0)}, 0.0005);
+  scene.stripsOfColumn(0.3, 0.6);
+  scene.drop(kMaxTurn, fine);
   EXPECT_EQ(countOf(scene.labels, 0), scene.grid.size());
 }
 

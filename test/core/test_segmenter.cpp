@@ -106,6 +106,17 @@ TEST(Segmenter, SeparatesAStep) {
   EXPECT_NEAR(result.regions[2 - label].plane.d, -3.0, 0.001);
 }
 
+TEST(Segmenter, AFineSensorTellsASmallStep) {
+  for (const double noise : {0.0, 0.0005, 0.001}) {
+    BeamGrid grid = forwardBeams(120, 200, kStep);
+    const LabelImage truth = scan(
+        {surfaceOf({{-Eigen::Vector3d::UnitX(), -0.993}, kLeft}), surfaceOf({{-Eigen::Vector3d::UnitX(), -1.0}, kRight})},
+        grid);
+    addNoise(grid, noise);
+    expectRegions(truth, 2, segmented(grid), 0.98);
+  }
+}
+
 TEST(Segmenter, SeesAWallThroughAWindow) {
   const auto front = [](const Eigen::Vector3d& p) {
     return std::abs(p.y()) < 1.2 && std::abs(p.z()) < 0.8 && !(std::abs(p.y()) < 0.4 && std::abs(p.z()) < 0.3);
@@ -153,6 +164,16 @@ TEST(Segmenter, AColumnIsNoPlane) {
       EXPECT_TRUE(result.polygons.empty()) << "noise " << noise << ", seed " << seed;
       EXPECT_EQ(result.valid_points, countOf(truth, 1));
     }
+  }
+}
+
+// It comes in narrow strips that turn little, each and against each other.
+TEST(Segmenter, ATankIsNoPlaneForAFineSensor) {
+  for (const double noise : {0.0, 0.0005, 0.001, 0.002}) {
+    BeamGrid grid = forwardBeams(120, 160, kStep);
+    scan({column(2.0, 0.0, 1.0)}, grid);
+    addNoise(grid, noise);
+    EXPECT_TRUE(segmented(grid).regions.empty()) << "noise " << noise;
   }
 }
 

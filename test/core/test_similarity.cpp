@@ -54,6 +54,16 @@ TEST(Similarity, FallsWithExcessAndRisesWithTolerance) {
   EXPECT_GT(similarity(20.0, 5.0e5, 0.05, 1.0, {0.005, 0.02, 1.0}), s);
 }
 
+TEST(CoplanarityTolerance, OfTheDistanceShrinksForFineSensors) {
+  const CoplanarityTolerance tolerance{0.005, 0.02, 2.0};
+  EXPECT_DOUBLE_EQ(tolerance.forNoise(0.01).sigma_distance, 0.005);
+  EXPECT_DOUBLE_EQ(tolerance.forNoise(0.0025).sigma_distance, 0.005);
+  EXPECT_DOUBLE_EQ(tolerance.forNoise(0.00125).sigma_distance, 0.0025);
+  EXPECT_DOUBLE_EQ(tolerance.forNoise(0.0).sigma_distance, 0.0015);
+  EXPECT_DOUBLE_EQ(tolerance.forNoise(0.0).sigma_angle, 0.02);
+  EXPECT_DOUBLE_EQ(tolerance.forNoise(0.0).inflation, 2.0);
+}
+
 // A wall 2 m ahead against one 2.02 m ahead, and against one turned by 0.1 rad about the point where they meet.
 TEST(FixedSimilarity, IsTheGaussianOfAngleAndDistance) {
   const CoplanarityTolerance tolerance{0.02, 0.1, 1.0};

@@ -14,7 +14,8 @@ namespace ppc {
 struct Config {
   int patch_size = 4;                 ///< k: columns of a patch; its rows follow from the angular steps [pixels]
   double sigma_angle = 0.005;         ///< model tolerance of the angle between coplanar patches [rad]
-  double sigma_distance = 0.005;      ///< model tolerance of the distance between coplanar patches [m]
+  double sigma_distance = 0.005;      ///< model tolerance of the distance between coplanar patches, in proportion less
+                                      ///< below 2.5 mm of noise (CoplanarityTolerance::forNoise()) [m]
   double similarity_threshold = 0.1;  ///< patches of at least this Gaussian similarity are coplanar, 0..1
   bool equal_angle = true;            ///< patches of about equal solid angle; false: square in pixels
   bool running_plane = true;          ///< compare patches with the plane of the whole cluster; false: with the neighbour

@@ -22,6 +22,16 @@ struct CoplanarityTolerance {
   double inflationOf(double n) const {
     return inflation_growth > 0.0 && n > patch_points ? inflation * std::pow(n / patch_points, inflation_growth) : inflation;
   }
+
+  /// @brief The tolerance where ranges have the noise `sigma` [m]. The errors that it stands for, of calibration, grid and
+  /// bias, shrink with the noise: a sensor that resolves a millimetre shall tell a step of five from a plane.
+  CoplanarityTolerance forNoise(double sigma) const {
+    constexpr double kCoarse = 0.0025;  // noise from which on the whole distance applies [m]
+    constexpr double kLeast = 0.3;      // share of the distance that remains for the finest sensor
+    CoplanarityTolerance scaled = *this;
+    scaled.sigma_distance *= std::clamp(sigma / kCoarse, kLeast, 1.0);
+    return scaled;
+  }
 };
 
 /// @brief Misfit of the coplanarity conditions: twice the negative logarithm of similarity(), whose parameters it shares.
