@@ -4,6 +4,7 @@
 #include "patch_plane_clustering/core/clustering.h"
 #include "patch_plane_clustering/core/curvature.h"
 #include "patch_plane_clustering/core/label_runs.h"
+#include "patch_plane_clustering/core/line_errors.h"
 #include "patch_plane_clustering/core/noise_correlation.h"
 #include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/patch_grid.h"
@@ -70,9 +71,15 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vecto
   return clusterPatches(grid, config, memory, stages);
 }
 
-LabelImage clusterPatches(const BeamGrid& grid, const Config& config, ClusteringMemory& memory,
+LabelImage clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMemory& memory,
                           std::vector<StageTime>* stages) {
   StageTimer timer(stages);
+  const std::vector<float> line_errors = config.noise_aware ? estimateLineErrors(measured) : std::vector<float>();
+  if (!line_errors.empty()) {
+    memory.corrected = measured;
+    for (int i = 0; i < measured.size(); ++i) memory.corrected.range[i] -= line_errors[i / measured.cols];
+  }
+  const BeamGrid& grid = line_errors.empty() ? measured : memory.corrected;
   PatchGrid& patches = memory.patches;
   memory.steps = config.equal_angle ? measureSteps(grid) : AngularSteps();
   makePatchGrid(grid, std::min(config.patch_size, std::max(grid.rows, grid.cols)), memory.steps, nullptr, config.threads,

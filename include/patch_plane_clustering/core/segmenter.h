@@ -13,6 +13,7 @@ namespace ppc {
 /// @brief Working memory of clusterPatches(). Given to one image after the other, it spares them asking the system for
 /// megabytes each; it carries nothing else from one to the next.
 struct ClusteringMemory {
+  BeamGrid corrected;  ///< the image without errors of whole lines
   AngularSteps steps;
   PatchGrid patches, small_patches;
   PatchClusters clusters;
