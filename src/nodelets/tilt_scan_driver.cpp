@@ -75,7 +75,7 @@ class TiltScanDriver : public nodelet::Nodelet {
   }
 
   void onScan(const ros::MessageEvent<const sensor_msgs::LaserScan>& event) {
-    const sensor_msgs::LaserScanConstPtr scan = event.getConstMessage();
+    const sensor_msgs::LaserScanConstPtr& scan = event.getConstMessage();
     ++health_.scans;
     sequence_.see(event.getPublisherName(), scan->header.seq);
     last_scan_ = ros::WallTime::now();
@@ -141,7 +141,7 @@ class TiltScanDriver : public nodelet::Nodelet {
     if (idle && assembler_->openLines() > 0) assembler_->close(SweepEnd::kIdle);
   }
 
-  bool closeSweep(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  bool closeSweep(std_srvs::Trigger::Request& /*request*/, std_srvs::Trigger::Response& response) {
     const int open = assembler_->openLines();
     const int rows = assembler_->close(SweepEnd::kRequest);
     response.success = rows > 0;

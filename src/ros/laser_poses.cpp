@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace ppc {
 
@@ -10,7 +11,7 @@ bool LaserPoses::needsTf(const DriverOptions& options) {
   return options.joint_name.empty() || !options.fixed_frame.empty() || !options.mount;
 }
 
-LaserPoses::LaserPoses(const DriverOptions& options, tf2::BufferCore* buffer) : options_(options), buffer_(buffer) {
+LaserPoses::LaserPoses(DriverOptions options, tf2::BufferCore* buffer) : options_(std::move(options)), buffer_(buffer) {
   if (options_.joint_name.empty()) return;
   joint_ = std::make_unique<TiltPoseSource>(options_.axis, options_.track, options_.sweep.max_wait);
   if (options_.mount) joint_->setMount(*options_.mount);

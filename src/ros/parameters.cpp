@@ -93,7 +93,7 @@ std::string ParameterReader::getChoice(const std::string& name, const std::strin
   auto found = find(name);
   if (!found) return value;
   if (found->getType() == XmlRpcValue::TypeString) {
-    const std::string given = static_cast<std::string>(*found);
+    auto given = static_cast<std::string>(*found);
     if (std::find(choices.begin(), choices.end(), given) != choices.end()) return given;
   }
   complain(name, *found, "one of " + list(choices));

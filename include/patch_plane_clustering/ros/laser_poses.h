@@ -15,7 +15,7 @@ namespace ppc {
 class LaserPoses : public PoseSource {
  public:
   /// @param buffer may be null if needsTf(options) is false; must outlive this
-  LaserPoses(const DriverOptions& options, tf2::BufferCore* buffer);
+  LaserPoses(DriverOptions options, tf2::BufferCore* buffer);
 
   static bool needsTf(const DriverOptions& options);
 
