@@ -158,7 +158,7 @@ class Clouds(WithFolder):
             with self.subTest(name):
                 (self.folder / name).write_bytes(content)
                 self.assert_fails(ppc("segment", self.cloud, "--config", self.folder / name), name)
-        for content, words in (("min_size: -5", ("'min_size' = -5", "[3, 1000000]")), ("refine: maybe", ("'refine' = 'maybe'", "true or false")),
+        for content, words in (("min_size: -5", ("'min_size' = -5", ", 1000000]")), ("refine: maybe", ("'refine' = 'maybe'", "true or false")),
                                ("patch_size: [4]", ("'patch_size' = '[4]'", "[2, 64]")), ("patch_size: ~", ("'patch_size' = '~'", "[2, 64]")),
                                ("sigma_angle: wide", ("'sigma_angle' = 'wide' is not a number in [0.001, 1]",)),
                                ("merge: on\nmerge: off", ("'merge' twice",)), ("ppc: {merge: on}", ("unknown parameter 'ppc'",))):
