@@ -17,7 +17,7 @@ constexpr double kExcessQuantile = 0.3;     // low, for many a square lies on an
 constexpr double kChiSquare3Quantile = 1.4237;  // of that much
 constexpr double kVarianceQuantile = 0.35;
 constexpr double kQuietGrowth = 1.15;    // of inflation from patches to squares that white noise may show
-constexpr double kQuietVariance = 1.05;  // likewise, of the variance
+constexpr double kQuietVariance = 1.35;  // of the variance: less is what patches and their inflation allow for
 constexpr double kMaxVariance = 2.0;
 
 // The sum of side x side patches in a square that begins at a pixel; false unless all are there and planar.
@@ -71,7 +71,8 @@ NoiseCorrelation measureCorrelation(const PatchGrid& grid, double inflation) {
   found.points = points.empty() ? 1.0 : quantile(points, 0.5);
   if (excesses.size() < kMinPairs) return found;
   const double variance = variances.size() < kMinPairs ? 1.0 : quantile(variances, kVarianceQuantile);
-  if (variance > kQuietVariance) found.variance = std::min(variance, kMaxVariance);
+  if (variance < kQuietVariance) return found;
+  found.variance = std::min(variance, kMaxVariance);
   const double growth = quantile(excesses, kExcessQuantile) / kChiSquare3Quantile / inflation;
   if (growth > kQuietGrowth) {
     found.growth = std::min(1.0, std::log(growth / kQuietGrowth) / std::log(static_cast<double>(kSide * kSide)));
