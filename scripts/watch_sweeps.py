@@ -40,6 +40,13 @@ class Process:
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
+def processor_ticks():
+    """All that the processors have done so far, and what of it the host of a virtual machine took away, in clock ticks."""
+    with open("/proc/stat") as file:
+        user, nice, system, _idle, _iowait, irq, softirq, steal = map(int, file.readline().split()[1:9])
+    return user + nice + system + irq + softirq + steal, steal
+
+
 def range_picture(image):
     """Near is bright and far is dark, on a logarithmic scale; no measurement is black. Columns run from left to right."""
     ranges = numpy.array(image.ranges, dtype=numpy.float32).reshape(image.height, image.width)
@@ -110,6 +117,7 @@ class Watcher:
         memory = self.manager.resident_megabytes()
         if self.cpu_start is None:
             self.cpu_start = self.manager.cpu_seconds()  # from the first sweep's end on
+            self.ticks_start = processor_ticks()
         self.done.append(numbers)
         self.memory.append(memory)
         stages = ", ".join(f"{name} {ms:.1f}" for name, ms in zip(numbers.stage_names, numbers.stage_milliseconds))
@@ -136,8 +144,11 @@ class Watcher:
             return
         times = [numbers.total_milliseconds for numbers in self.done]
         work = [numbers.processor_milliseconds for numbers in self.done]
-        print(f"plane clustering a sweep, message in to polygons out: median {statistics.median(work):.1f} ms of one core; "
-              f"{statistics.median(times):.1f} ms by the clock beside all else that runs here, longest {max(times):.1f} ms")
+        print(f"plane clustering a sweep, message in to polygons out: fastest {min(work):.1f} ms of one core, "
+              f"median {statistics.median(work):.1f} ms; {statistics.median(times):.1f} ms by the clock beside all else that runs here, longest {max(times):.1f} ms")
+        ticks, stolen = (now - then for now, then in zip(processor_ticks(), self.ticks_start))
+        if stolen > 0.02 * ticks:
+            print(f"the host of this virtual machine took away {stolen / ticks:.0%} of the processors meanwhile: times are too long")
         lines = sum(numbers.height for numbers in self.done[1:])
         try:
             cpu = self.manager.cpu_seconds() - self.cpu_start
