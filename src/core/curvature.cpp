@@ -24,6 +24,7 @@ constexpr double kWeakTurn = 0.31;      // of a strip beside a curved one, in ma
 constexpr double kWeakAmplitude = 0.2;  // likewise, in tolerances of distance
 constexpr double kFanAngle = 0.54;      // smallest angle between two strips of a fan, in max_turn
 constexpr double kNarrowAngle = 0.22;   // likewise, if they bend as they are turned against each other
+constexpr double kNarrowRadius = 4.0;   // largest radius of such strips: wider bows are those of ceilings and walls [m]
 constexpr double kNarrowTurn = 0.6;     // turn of each over the angle between them that makes it so
 constexpr int kFanSizes = 6;            // largest ratio of their sizes
 constexpr double kFanRatio = 0.15;      // misfit of one quadratic surface over that of one plane, for two strips of a fan
@@ -160,6 +161,10 @@ Bend bendOf(const QuadraticFit& fit) {
   return bend;
 }
 
+// Radius of an evenly sampled strip of a cylinder [m]: its parabola of height h = w^2 / 8 R over the width w = turn R has
+// the root mean square 2 h / (3 sqrt 5).
+double radiusOf(const Bend& bend) { return 12.0 * std::sqrt(5.0) * bend.amplitude / (bend.turn * bend.turn); }
+
 // Pairs of labels that are 4-neighbours in the image, or parted by up to `gap` pixels.
 std::set<std::pair<std::int32_t, std::int32_t>> touchingLabels(const LabelImage& labels, int gap) {
   std::set<std::pair<std::int32_t, std::int32_t>> pairs;
@@ -226,7 +231,8 @@ bool isFan(const SampledRegion& a, const SampledRegion& b, const CoplanarityTole
   if (!isTurned(a, b, kNarrowAngle * max_turn)) return false;
   const auto bends = [&](const Bend& bend) {
     const double angle = std::acos(std::min(1.0, a.plane.normal.dot(b.plane.normal)));
-    return bend.turn > kNarrowTurn * angle && bend.excess > kSignificance * tolerance.inflation;
+    return bend.turn > kNarrowTurn * angle && radiusOf(bend) < kNarrowRadius &&
+           bend.excess > kSignificance * tolerance.inflation;
   };
   return (isTurned(a, b, kFanAngle * max_turn) || (bends(a.bend) && bends(b.bend))) && isSmooth(a, b, tolerance);
 }

@@ -121,6 +121,17 @@ TEST(DropCurvedRegions, KeepsABowedWall) {
   EXPECT_EQ(countOf(scene.labels, 1), scene.grid.size());
 }
 
+// In pieces it bends as a fan of narrow strips does, but far wider.
+TEST(DropCurvedRegions, KeepsThePiecesOfABowedWall) {
+  const NoiseModel fine(SensorModel{0.0005, 0.0005, 10.0, 0.0}, 1.0);
+  Scene scene({bowedWall(0.15)}, 0.0005);
+  for (int i = 0; i < scene.grid.size(); ++i)
+    scene.labels.labels[i] = 1 + static_cast<int>((scene.grid.point(i).y() + 3.0F));
+  const std::vector<std::int32_t> before = scene.labels.labels;
+  scene.drop(kMaxTurn, fine);
+  EXPECT_EQ(scene.labels.labels, before);
+}
+
 TEST(DropCurvedRegions, AWideLimitKeepsEverything) {
   Scene scene({column(4.0, 0.0, 1.0)});
   const int points = countOf(scene.labels, 1);

@@ -26,7 +26,7 @@ struct ClusteringMemory {
 /// image). Deterministic: same grid and config, same labels.
 /// @param stages if given, the time of each stage is appended.
 LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vector<StageTime>* stages = nullptr);
-LabelImage clusterPatches(const BeamGrid& grid, const Config& config, ClusteringMemory& memory,
+LabelImage clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMemory& memory,
                           std::vector<StageTime>* stages);
 
 /// @brief The whole pipeline: labels, region statistics, polygons.
