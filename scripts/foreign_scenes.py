@@ -1,0 +1,198 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Scores segmentation on images of a second simulator, for sensors other than a tilting laser: prints a table.
+
+Boxes, balls and columns, cast by a few lines of numpy that share nothing with the package's own simulator. A tool that is good on
+its own scenes alone would show here. Sensors: structured light at a desk, range cameras, laser scanners of one millimetre, a
+spinning laser of 32 rings. Each image is an organised cloud as `ppc segment` reads it; all parameters are the defaults.
+Needs the built package (scripts/build).
+"""
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import cv2
+import numpy
+
+PPC = pathlib.Path(__file__).resolve().parent.parent / 'build/devel/lib/patch_plane_clustering/ppc'
+
+
+def pinhole(rows, cols, width_deg):
+    """Unit beams of a camera, rows x cols x 3: x right, y down, z forward."""
+    focal = cols / 2 / numpy.tan(numpy.radians(width_deg) / 2)
+    u, v = numpy.meshgrid(numpy.arange(cols) - cols / 2 + 0.5, numpy.arange(rows) - rows / 2 + 0.5)
+    beams = numpy.stack([u / focal, v / focal, numpy.ones_like(u)], -1)
+    return beams / numpy.linalg.norm(beams, axis=-1, keepdims=True)
+
+
+def spherical(rows, cols, width_deg, height_deg):
+    """Unit beams of a scanner with equal steps of bearing and elevation."""
+    bearing, elevation = numpy.meshgrid(numpy.radians(numpy.linspace(-width_deg / 2, width_deg / 2, cols)),
+                                        numpy.radians(numpy.linspace(-height_deg / 2, height_deg / 2, rows)))
+    return numpy.stack([numpy.sin(bearing) * numpy.cos(elevation), numpy.sin(elevation),
+                        numpy.cos(bearing) * numpy.cos(elevation)], -1)
+
+
+def turn(axis, angle):
+    return cv2.Rodrigues(numpy.asarray(axis, float) / numpy.linalg.norm(axis) * angle)[0]
+
+
+class Scene:
+    """Nearest ranges, and labels that count every face of every box; curved things have label 0."""
+
+    def __init__(self, beams):
+        self.beams = beams
+        self.ranges = numpy.full(beams.shape[:2], numpy.inf)
+        self.labels = numpy.zeros(beams.shape[:2], int)
+        self.cosines = numpy.ones(beams.shape[:2])  # of incidence
+        self.faces = 0
+
+    def _put(self, seen, ranges, labels, cosines):
+        seen = seen & (ranges > 1e-3) & (ranges < self.ranges)
+        for target, values in ((self.ranges, ranges), (self.labels, labels), (self.cosines, cosines)):
+            target[seen] = numpy.broadcast_to(values, seen.shape)[seen]
+
+    def box(self, center, half, rotation, seen_from_inside=False):
+        origin, along = -rotation.T @ numpy.asarray(center), self.beams @ rotation
+        with numpy.errstate(divide='ignore', invalid='ignore'):
+            one, other = (-half - origin) / along, (half - origin) / along
+        near, far = numpy.minimum(one, other), numpy.maximum(one, other)
+        enters, leaves = near.max(-1), far.min(-1)
+        axis = far.argmin(-1) if seen_from_inside else near.argmax(-1)
+        direction = numpy.take_along_axis(along, axis[..., None], -1)[..., 0]
+        self._put(leaves >= enters, leaves if seen_from_inside else enters,
+                  self.faces + 1 + 2 * axis + (direction > 0), abs(direction))
+        self.faces += 6
+
+    def ball(self, center, radius):
+        middle = (self.beams * center).sum(-1)
+        square = middle ** 2 - (numpy.dot(center, center) - radius ** 2)
+        self._put(square > 0, middle - numpy.sqrt(numpy.maximum(square, 0)), 0, 0.7)
+
+    def column(self, center, radius, half_height):
+        x, z = self.beams[..., 0], self.beams[..., 2]
+        a, b = x ** 2 + z ** 2, x * center[0] + z * center[2]
+        square = b ** 2 - a * (center[0] ** 2 + center[2] ** 2 - radius ** 2)
+        ranges = (b - numpy.sqrt(numpy.maximum(square, 0))) / a
+        inside = abs(ranges * self.beams[..., 1] - center[1]) < half_height
+        self._put((square > 0) & inside, ranges, 0, 0.7)
+
+
+UP = (0, 1, 0)
+
+
+def desk(beams, rng):
+    """Blocks of 4 to 18 cm on a table 1.2 m away."""
+    scene, tilt, middle = Scene(beams), turn((1, 0, 0), -0.9), numpy.array([0, 0, 1.2])
+    scene.box(middle + tilt @ numpy.array([0, 1.0, 0]), numpy.array([3, 1.0, 3]), tilt)
+    for _ in range(rng.integers(4, 8)):
+        half = rng.uniform(0.02, 0.09, 3)
+        rotation = tilt @ turn(UP, rng.uniform(0, 3))
+        if rng.random() < 0.4:
+            rotation = rotation @ turn(rng.normal(size=3), rng.uniform(0, 0.6))
+        scene.box(middle + tilt @ numpy.array([rng.uniform(-0.3, 0.3), -0.9 * half[1], rng.uniform(-0.25, 0.3)]), half, rotation)
+    return scene
+
+
+def room(beams, rng, boxes=10):
+    """A room of up to 8 x 10 m with boxes, three balls and two columns."""
+    scene, floor = Scene(beams), 1.2
+    scene.box((0, -0.1, 1), numpy.array([rng.uniform(2, 4), 1.3, rng.uniform(2.5, 5)]), turn(UP, rng.uniform(-0.4, 0.4)), True)
+    for _ in range(boxes):
+        half = rng.uniform(0.08, 0.5, 3)
+        scene.box((rng.uniform(-2, 2), floor - half[1], rng.uniform(1.2, 4)), half, turn(UP, rng.uniform(0, 3)))
+    for _ in range(3):
+        radius = rng.uniform(0.1, 0.3)
+        scene.ball((rng.uniform(-1.5, 1.5), floor - radius, rng.uniform(1.2, 3)), radius)
+    for _ in range(2):
+        scene.column((rng.uniform(-2, 2), 0.2, rng.uniform(1.5, 4)), rng.uniform(0.1, 0.3), 1.0)
+    return scene
+
+
+def white(sigma, grid=0.0):
+    def spoil(scene, rng):
+        ranges = scene.ranges + rng.normal(size=scene.ranges.shape) * sigma
+        return numpy.round(ranges / grid) * grid if grid else ranges
+    return spoil
+
+
+def structured_light(scene, rng):
+    """Noise of 1.4 mm at 1 m that grows with the square of the depth, smooth over some pixels; depth in steps; no grazing return."""
+    depth = scene.ranges * scene.beams[..., 2]
+    smooth = cv2.GaussianBlur(rng.normal(size=depth.shape), (0, 0), 1.2)
+    depth = depth + 0.0014 * depth ** 2 * smooth / smooth.std()
+    step = 0.0028 * depth ** 2
+    depth = numpy.round(depth / step) * step
+    return numpy.where((scene.cosines < 0.12) | (depth > 6), numpy.nan, depth / scene.beams[..., 2])
+
+
+# What the sensor sees, how it errs, the smallest true region that counts.
+SENSORS = {
+    'structured light at a desk, 1.2 mm': (lambda rng: desk(pinhole(512, 512, 38), rng), white(0.0012, 0.0005), 400),
+    'range camera, 0.5 mm': (lambda rng: room(pinhole(480, 640, 57), rng), white(0.0005), 400),
+    'range camera, structured light': (lambda rng: room(pinhole(480, 640, 57), rng), structured_light, 400),
+    'laser scanner, 1 mm': (lambda rng: room(spherical(300, 720, 180, 110), rng, 14), white(0.001, 0.001), 400),
+    'spinning laser, 32 rings, 20 mm': (lambda rng: room(spherical(32, 1440, 360, 40), rng, 8), white(0.02), 100),
+}
+
+
+def write(stem, scene, ranges, smallest):
+    """The cloud, and a truth with a label for each connected piece of a face."""
+    points = (ranges[..., None] * scene.beams).astype(numpy.float32)
+    rows, cols = ranges.shape
+    header = ('VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n'
+              f'WIDTH {cols}\nHEIGHT {rows}\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {rows * cols}\nDATA binary\n')
+    stem.with_suffix('.pcd').write_bytes(header.encode() + points.tobytes())
+    truth, count = numpy.zeros(ranges.shape, numpy.uint16), 0
+    for label in numpy.unique(scene.labels[scene.labels > 0]):
+        parts, pieces, sizes, _ = cv2.connectedComponentsWithStats(
+            ((scene.labels == label) & numpy.isfinite(ranges)).astype(numpy.uint8), connectivity=4)
+        for part in range(1, parts):
+            if sizes[part, cv2.CC_STAT_AREA] >= smallest:
+                count += 1
+                truth[pieces == part] = count
+    cv2.imwrite(str(stem.with_suffix('.truth.png')), truth)
+
+
+def run(*command):
+    done = subprocess.run([str(c) for c in command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
+    if done.returncode != 0:
+        sys.exit(f'{" ".join(map(str, command))}: {done.stderr.strip()}')
+    return json.loads(done.stdout.splitlines()[0])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument('--seeds', type=int, nargs='+', default=list(range(1000, 1005)))
+    parser.add_argument('--methods', nargs='+', default=['ppc', 'region_growing', 'pcl_multi_plane', 'ransac'])
+    parser.add_argument('--keep', type=pathlib.Path, help='folder in which clouds, truths and labels are left')
+    parser.add_argument('--ppc', default=PPC, type=pathlib.Path, help='the built tool')
+    options = parser.parse_args()
+    print('| sensor | method | F1 | correct | spurious | IoU | points |\n| --- | --- | --- | --- | --- | --- | --- |')
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = options.keep or pathlib.Path(temporary)
+        folder.mkdir(parents=True, exist_ok=True)
+        for number, (sensor, (look, spoil, smallest)) in enumerate(SENSORS.items()):
+            scores = {method: [] for method in options.methods}
+            for seed in options.seeds:
+                rng = numpy.random.default_rng(seed)
+                scene, stem = look(rng), folder / f'{number}_{seed}'
+                write(stem, scene, spoil(scene, rng), smallest)
+                for method in options.methods:
+                    labels = stem.with_suffix(f'.{method}.png')
+                    found = run(options.ppc, 'segment', stem.with_suffix('.pcd'), '--method', method, '--labels', labels)
+                    score = run(options.ppc, 'evaluate', '--truth', stem.with_suffix('.truth.png'), '--labels', labels,
+                                '--min-region', smallest)
+                    scores[method].append((score['f1'], score['correct'], score['true'], score['spurious'], score['mean_iou'],
+                                           found['coverage']))
+            for method, rows in scores.items():
+                f1, correct, true, spurious, iou, coverage = numpy.mean(rows, axis=0)
+                print(f'| {sensor} | {method} | {f1:.2f} | {100 * correct / true:.0f} % | {spurious:.1f} | {iou:.2f} | '
+                      f'{100 * coverage:.0f} % |', flush=True)
+
+
+if __name__ == '__main__':
+    main()
