@@ -2,6 +2,7 @@
 #include "measure.h"
 
 #include "allocations.h"
+#include "patch_plane_clustering/core/quantile.h"
 
 #include <time.h>
 #include <algorithm>
@@ -14,12 +15,6 @@ double processorSeconds() {
   timespec now{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 void run(benchmark::State& state, int points, const std::function<Frame()>& prepare) {
@@ -49,7 +44,7 @@ void run(benchmark::State& state, int points, const std::function<Frame()>& prep
   state.counters["allocated_bytes"] = static_cast<double>(memory.bytes);
   state.counters["peak_bytes"] = static_cast<double>(memory.peak);
   for (std::size_t i = 0; i < stage_times.size(); ++i) {
-    const auto& [stage, milliseconds] = stage_times[i];
+    auto& [stage, milliseconds] = stage_times[i];
     const std::string name = std::to_string(100 + i) + " " + stage;  // counters are kept by name: the number keeps the order
     state.counters["stage:" + name] = median(milliseconds);
     state.counters["fastest:" + name] = *std::min_element(milliseconds.begin(), milliseconds.end());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "methods.h"
+#include "patch_plane_clustering/core/quantile.h"
 #include "patch_plane_clustering/core/stage_timer.h"
 #include "pcl_cloud.h"
 
@@ -97,11 +98,10 @@ class Ransac : public PlaneSegmenter {
       sample->indices.push_back(pool[i]);
       spread.push_back(sigmas[pool[i]]);
     }
-    std::nth_element(spread.begin(), spread.begin() + static_cast<std::ptrdiff_t>(spread.size() / 2), spread.end());
     pcl::SACSegmentation<pcl::PointXYZ> ransac;  // not `random`: its seed is fixed
     ransac.setModelType(pcl::SACMODEL_PLANE);
     ransac.setMethodType(pcl::SAC_RANSAC);
-    ransac.setDistanceThreshold(parameter("distance") * spread[spread.size() / 2]);
+    ransac.setDistanceThreshold(parameter("distance") * median(spread));
     ransac.setMaxIterations(static_cast<int>(parameter("iterations")));
     ransac.setOptimizeCoefficients(true);
     ransac.setInputCloud(cloud);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/clustering.h"
 
+#include "patch_plane_clustering/core/quantile.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -84,8 +86,7 @@ void measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const C
 void weighPatches(const NoiseModel& noise, PatchGrid& grid) {
   for (Patch& patch : grid.patches) {
     const double sigma = noise.sigma(patch.range);
-    patch.moments.scale(1.0 / (sigma * sigma));
-    patch.fit.chi2 /= sigma * sigma;
+    patch.weigh(sigma * sigma);
   }
 }
 
@@ -113,9 +114,8 @@ double estimateInflation(const PatchGrid& grid) {
   }
   if (excesses.size() < 100) return 1.0;
   constexpr double kChiSquare3Quantile = 1.4237;  // 30 %
-  const auto at = excesses.begin() + static_cast<std::ptrdiff_t>(0.3 * static_cast<double>(excesses.size()));
-  std::nth_element(excesses.begin(), at, excesses.end());
-  return std::clamp(*at / kChiSquare3Quantile, 1.0, 25.0);
+  const auto rank = static_cast<std::size_t>(0.3 * static_cast<double>(excesses.size()));
+  return std::clamp(valueOfRank(excesses, rank) / kChiSquare3Quantile, 1.0, 25.0);
 }
 
 PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
@@ -188,10 +188,12 @@ void growClusters(const PatchGrid& grid, const NoiseModel& noise, const Coplanar
           const int around = memory.around_of[j];
           if (around >= 0 && cluster.moments.n > kClusterSizes * memory.around[around].moments.n) {
             const Surroundings& wide = memory.around[around];
+            CoplanarityTolerance of_wide = local;
+            of_wide.inflation = wide.inflation;
             const PlaneFit wide_fit = fitPlane(cluster.moments + wide.moments);
             const double wide_cost =
                 misfit(wide_fit.chi2 - cluster.fit.chi2 - wide.fit.chi2, wide.moments.n / (sigma * sigma), wide.radius,
-                       secantSquared(wide_fit.a, patch.range), local, wide.inflation);
+                       secantSquared(wide_fit.a, patch.range), of_wide);
             if (wide_cost > greatest) return;
           }
         }

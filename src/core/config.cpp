@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <iomanip>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
@@ -73,6 +74,12 @@ std::optional<bool> truthOf(std::string word) {
   return std::nullopt;
 }
 
+std::string rangeOf(const ConfigField& field) {
+  std::ostringstream text;
+  text << "in [" << std::setprecision(10) << field.min << ", " << field.max << "]";  // 1000000, not 1e+06
+  return text.str();
+}
+
 const ConfigField& fieldNamed(const std::string& name) {
   const auto& fields = configFields();
   const auto found = std::find_if(fields.begin(), fields.end(), [&](const auto& f) { return f.name == name; });
@@ -101,9 +108,8 @@ void setConfigField(Config& config, const std::string& name, double value) {
   const bool whole = field.type == Type::kDouble || value == std::round(value);
   if (!whole || !(field.min <= value && value <= field.max)) {
     std::ostringstream message;
-    message.precision(10);  // 1000000, not 1e+06
-    message << "parameter '" << name << "' = " << value << " is not " << (whole ? "" : "a whole number ") << "in ["
-            << field.min << ", " << field.max << "]";
+    message << "parameter '" << name << "' = " << std::setprecision(10) << value << " is not "
+            << (whole ? "" : "a whole number ") << rangeOf(field);
     throw std::invalid_argument(message.str());
   }
   field.set(config, value);
@@ -118,16 +124,10 @@ void setConfigField(Config& config, const std::string& name, const std::string& 
   std::istringstream in(value);
   in.imbue(std::locale::classic());
   if (!(in >> number) || !(in >> std::ws).eof()) {
-    std::ostringstream message;
-    message.precision(10);  // 1000000, not 1e+06
-    message << "parameter '" << name << "' = '" << value << "' is not ";
-    if (field.type == Type::kBool) {
-      message << "true or false";
-    } else {
-      message << (field.type == Type::kInt ? "a whole number in [" : "a number in [") << field.min << ", " << field.max
-              << "]";
-    }
-    throw std::invalid_argument(message.str());
+    const std::string wanted = field.type == Type::kBool  ? "true or false"
+                               : field.type == Type::kInt ? "a whole number " + rangeOf(field)
+                                                          : "a number " + rangeOf(field);
+    throw std::invalid_argument("parameter '" + name + "' = '" + value + "' is not " + wanted);
   }
   setConfigField(config, name, number);
 }

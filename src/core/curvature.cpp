@@ -229,8 +229,8 @@ bool isFan(const SampledRegion& a, const SampledRegion& b, const CoplanarityTole
   // A scrap beside a large plane proves nothing about the plane.
   if (a.points > kFanSizes * b.points || b.points > kFanSizes * a.points) return false;
   if (!isTurned(a, b, kNarrowAngle * max_turn)) return false;
+  const double angle = std::acos(std::min(1.0, a.plane.normal.dot(b.plane.normal)));
   const auto bends = [&](const Bend& bend) {
-    const double angle = std::acos(std::min(1.0, a.plane.normal.dot(b.plane.normal)));
     return bend.turn > kNarrowTurn * angle && radiusOf(bend) < kNarrowRadius &&
            bend.excess > kSignificance * tolerance.inflation;
   };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/line_errors.h"
 
+#include "patch_plane_clustering/core/quantile.h"
+
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
@@ -19,12 +21,6 @@ constexpr double kLeastShare = 0.5;     // of line errors, over the noise of sin
 constexpr double kLeastError = 0.001;   // [m]
 constexpr double kSignificance = 4.0;   // over what medians of noise show
 constexpr double kOutlier = 5.0;        // lines off by more, in standard deviations, lie on a crease of the scene
-
-double medianOf(std::vector<float>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double angleBetween(const BeamGrid& grid, int row_a, int row_b, int col) {
   const Eigen::Vector3f a = grid.direction(grid.index(row_a, col)), b = grid.direction(grid.index(row_b, col));
@@ -61,9 +57,9 @@ Misfit measureMisfit(const BeamGrid& grid, int row, std::vector<float>& scratch)
   }
   misfit.samples = static_cast<int>(scratch.size());
   if (misfit.samples < kMinSamples) return misfit;
-  misfit.value = medianOf(scratch);
+  misfit.value = median(scratch);
   for (float& e : scratch) e = std::abs(e - static_cast<float>(misfit.value));
-  misfit.spread = kMadToSigma * medianOf(scratch);
+  misfit.spread = kMadToSigma * median(scratch);
   return misfit;
 }
 
@@ -84,8 +80,8 @@ LineNoise measureLineNoise(const std::vector<Misfit>& misfits) {
   }
   LineNoise noise;
   if (static_cast<int>(sizes.size()) < kMinLines / kGlance) return noise;
-  const double spread = medianOf(spreads);
-  noise.misfit = kMadToSigma * medianOf(sizes);
+  const double spread = median(spreads);
+  noise.misfit = kMadToSigma * median(sizes);
   noise.median = kMedianLoss * spread / std::sqrt(static_cast<double>(kSamples));
   // Half a neighbour's error on either side adds to a line's own: 1 + 1/4 + 1/4.
   noise.error = std::sqrt(std::max(0.0, noise.misfit * noise.misfit - noise.median * noise.median) / 1.5);

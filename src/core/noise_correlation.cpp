@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/noise_correlation.h"
 
+#include "patch_plane_clustering/core/quantile.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -33,12 +35,6 @@ bool sumSquare(const PatchGrid& grid, int row, int col, int height, int side, Mo
     }
   }
   return true;
-}
-
-double quantile(std::vector<double>& values, double share) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/noise_model.h"
 
+#include "patch_plane_clustering/core/quantile.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -66,18 +68,15 @@ NoiseModel NoiseModel::estimate(const PatchGrid& patches, const SensorModel& sen
     variances[binOf(patch.range)].push_back(patch.fit.chi2 / dof / quantileFactor(dof));
   }
   // Thin bins borrow from their neighbours, nearest first.
-  std::vector<double> pool;
   for (int b = 0; b < kBins; ++b) {
-    pool = variances[b];
+    std::vector<double> pool = variances[b];
     for (int reach = 1; reach < kBins && static_cast<int>(pool.size()) < kMinPatches; ++reach) {
       for (const int other : {b - reach, b + reach}) {
         if (other >= 0 && other < kBins) pool.insert(pool.end(), variances[other].begin(), variances[other].end());
       }
     }
     if (pool.empty()) continue;
-    const auto at = pool.begin() + static_cast<std::ptrdiff_t>(kQuantile * static_cast<double>(pool.size() - 1));
-    std::nth_element(pool.begin(), at, pool.end());
-    sigma[b] = std::max(kMinSigma, std::sqrt(*at));
+    sigma[b] = std::max(kMinSigma, std::sqrt(quantile(pool, kQuantile)));
   }
   boundByOtherRanges(sigma);
   return NoiseModel(sigma);

@@ -4,6 +4,7 @@
 #include "patch_plane_clustering/core/block_moments.h"
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/parallel.h"
+#include "patch_plane_clustering/core/quantile.h"
 
 #include <cmath>
 #include <cstdint>
@@ -18,13 +19,6 @@ constexpr int kStepCols = 8;  // columns between those where the step from row t
 // Rows whose patches are summed and stored together: as few as the processor can fetch ahead.
 constexpr int kBandRows = 8;
 
-double median(std::vector<double>& values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 double angleBetween(const BeamGrid& grid, int a, int b) { return (grid.direction(a) - grid.direction(b)).norm(); }
 
 // Median angle between horizontal neighbours, over a sample of the image.
@@ -37,7 +31,7 @@ double columnStep(const BeamGrid& grid) {
       if (grid.beams_exact || (grid.valid(i) && grid.valid(i + 1))) steps.push_back(angleBetween(grid, i, i + 1));
     }
   }
-  return median(steps);
+  return steps.empty() ? 0.0 : median(steps);
 }
 
 // Median angle between vertical neighbours in one column.
@@ -49,7 +43,7 @@ double rowStep(const BeamGrid& grid, int col) {
     const int below = grid.index(r + 1, col);
     if (grid.beams_exact || (grid.valid(i) && grid.valid(below))) steps.push_back(angleBetween(grid, i, below));
   }
-  return median(steps);
+  return steps.empty() ? 0.0 : median(steps);
 }
 
 // Steps between the rows at columns kStepCols apart, 0 where there is none to go by.

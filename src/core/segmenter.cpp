@@ -31,10 +31,7 @@ void estimateCorrelation(const Config& config, NoiseModel& noise, CoplanarityTol
   if (config.noise_scale > 0.0 || found.variance == 1.0) return;
   noise.scale(std::sqrt(found.variance));
   tolerance.inflation = std::max(1.0, tolerance.inflation / found.variance);
-  for (Patch& patch : patches.patches) {
-    patch.moments.scale(1.0 / found.variance);
-    patch.fit.chi2 /= found.variance;
-  }
+  for (Patch& patch : patches.patches) patch.weigh(found.variance);
 }
 
 // Regions too thin for any patch to fit inside: smaller patches of what the first pass left over. Returns their first label.
@@ -46,10 +43,11 @@ std::int32_t addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, cons
   gatePatches(noise, tolerance, patches);
   const PatchClusters& clusters = memory.clusters;
   growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config), memory.growth, memory.clusters);
+  const int fewest_points = smallestRegion(config, grid.size()) / 4;
   const std::int32_t first = 1 + highestLabel(labels);
   std::int32_t next = first;
   for (const Cluster& cluster : clusters.clusters) {
-    if (cluster.moments.n < smallestRegion(config, grid.size()) / 4) continue;
+    if (cluster.moments.n < fewest_points) continue;
     for (int m = cluster.begin; m < cluster.end; ++m) {
       const Patch& patch = patches.patches[clusters.members[m]];
       for (int r = patch.row_begin; r < patch.row_end; ++r) {

@@ -53,20 +53,31 @@ Sensor lms200() {
   return s;
 }
 
+const std::vector<Sensor>& sensors() {
+  static const std::vector<Sensor> all{utm30lx(), urg04lx(), lms200()};
+  return all;
+}
+
 }  // namespace
 
 double Sensor::timeIncrement() const { return bearing_increment / (2.0 * M_PI * line_rate); }
 
 const std::vector<std::string>& sensorNames() {
-  static const std::vector<std::string> names{"utm_30lx", "urg_04lx", "lms_200"};
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const Sensor& sensor : sensors()) all.push_back(sensor.name);
+    return all;
+  }();
   return names;
 }
 
 Sensor makeSensor(const std::string& name) {
-  if (name == "utm_30lx") return utm30lx();
-  if (name == "urg_04lx") return urg04lx();
-  if (name == "lms_200") return lms200();
-  throw std::invalid_argument("sensor is '" + name + "', allowed: utm_30lx, urg_04lx, lms_200");
+  std::string allowed;
+  for (const Sensor& sensor : sensors()) {
+    if (sensor.name == name) return sensor;
+    allowed += (allowed.empty() ? "" : ", ") + sensor.name;
+  }
+  throw std::invalid_argument("sensor is '" + name + "', allowed: " + allowed);
 }
 
 }  // namespace ppc::sim

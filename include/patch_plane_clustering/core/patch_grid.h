@@ -18,6 +18,12 @@ struct Patch {
   PlaneFit fit;                    ///< least-squares plane of the moments
   double range = 0.0;              ///< mean range of the valid points [m]
   bool planar = false;             ///< passed the gate: enough points, residuals as small as the noise allows
+
+  /// Divides the weights by a variance.
+  void weigh(double variance) {
+    moments.scale(1.0 / variance);
+    fit.chi2 /= variance;
+  }
 };
 
 /// @brief Mutually exclusive patches that cover the image: strips of k columns, each cut into blocks of rows.

@@ -14,9 +14,8 @@ struct CoplanarityTolerance {
   double sigma_distance = 0.005;  ///< how far a piece of a plane may stand off the rest of it [m]
   double sigma_angle = 0.02;      ///< how far it may be turned against the rest [rad]
   double inflation = 1.0;         ///< variance of a patch's plane over that of white noise (correlated errors) [1]
-  double inflation_growth =
-      0.0;                     ///< exponent with which it grows beyond `patch_points`: 0 white noise, 1 never averages out
-  double patch_points = 20.0;  ///< of such a patch
+  double inflation_growth = 0.0;  ///< exponent of its growth beyond patch_points: 0 white noise, 1 never averages out
+  double patch_points = 20.0;     ///< of such a patch
 
   /// Inflation of the plane of n points: errors correlated farther than over a patch average out still more slowly.
   double inflationOf(double n) const {
@@ -35,17 +34,10 @@ struct CoplanarityTolerance {
 };
 
 /// @brief Misfit of the coplanarity conditions: twice the negative logarithm of similarity(), whose parameters it shares.
-/// @param inflation of the smaller piece (CoplanarityTolerance::inflationOf).
-inline double misfit(double excess, double precision, double radius, double sec2, const CoplanarityTolerance& tolerance,
-                     double inflation) {
+inline double misfit(double excess, double precision, double radius, double sec2, const CoplanarityTolerance& tolerance) {
   const double turned = tolerance.sigma_angle * radius;
   const double tau2 = (tolerance.sigma_distance * tolerance.sigma_distance + turned * turned) * sec2;
-  return std::max(0.0, excess) / (3.0 * inflation + precision * tau2);
-}
-
-/// The same with the inflation of a patch.
-inline double misfit(double excess, double precision, double radius, double sec2, const CoplanarityTolerance& tolerance) {
-  return misfit(excess, precision, radius, sec2, tolerance, tolerance.inflation);
+  return std::max(0.0, excess) / (3.0 * tolerance.inflation + precision * tau2);
 }
 
 /// @brief Gaussian similarity of the coplanarity conditions of two pieces of surface, in (0, 1].

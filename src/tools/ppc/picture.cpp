@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "picture.h"
 
+#include "patch_plane_clustering/core/quantile.h"
 #include "patch_plane_clustering/evaluation/polygon_score.h"
 #include "patch_plane_clustering/ros/region_color.h"
 
@@ -42,13 +43,8 @@ cv::Mat rangePanel(const BeamGrid& grid) {
   }
   float near = 0.0F, far = 1.0F;
   if (!ranges.empty()) {  // a few stray points must not set the scale
-    const auto quantile = [&](double q) {
-      const auto at = ranges.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(ranges.size() - 1));
-      std::nth_element(ranges.begin(), at, ranges.end());
-      return *at;
-    };
-    near = quantile(0.01);
-    far = std::max(quantile(0.99), near + 0.01F);
+    near = quantile(ranges, 0.01);
+    far = std::max(quantile(ranges, 0.99), near + 0.01F);
   }
   cv::Mat depth(grid.rows, grid.cols, CV_8UC1), coloured;
   for (int i = 0; i < grid.size(); ++i) {

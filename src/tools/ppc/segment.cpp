@@ -4,6 +4,7 @@
 #include "files.h"
 #include "method_options.h"
 #include "patch_plane_clustering/baselines/plane_segmenter.h"
+#include "patch_plane_clustering/core/quantile.h"
 #include "patch_plane_clustering/ros/range_image_conversions.h"
 #include "picture.h"
 #include "result_files.h"
@@ -36,8 +37,7 @@ std::vector<StageTime> medianStages(const std::vector<std::vector<StageTime>>& r
   for (std::size_t stage = 0; stage < medians.size(); ++stage) {
     std::vector<double> times;
     for (const auto& run : runs) times.push_back(run[stage].second);
-    std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
-    medians[stage].second = times[times.size() / 2];
+    medians[stage].second = median(times);
   }
   return medians;
 }
