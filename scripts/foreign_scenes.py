@@ -5,19 +5,17 @@
 Boxes, balls and columns, cast by a few lines of numpy that share nothing with the package's own simulator. A tool that is good on
 its own scenes alone would show here. Sensors: structured light at a desk, range cameras, laser scanners of one millimetre, a
 spinning laser of 32 rings. Each image is an organised cloud as `ppc segment` reads it; all parameters are the defaults.
-Needs the built package (scripts/build).
+Needs the built package (scripts/build) and what scripts/setup --lint installs.
 """
 import argparse
 import json
 import pathlib
-import subprocess
-import sys
 import tempfile
 
 import cv2
 import numpy
 
-PPC = pathlib.Path(__file__).resolve().parent.parent / 'build/devel/lib/patch_plane_clustering/ppc'
+from accuracy import PPC, run
 
 
 def pinhole(rows, cols, width_deg):
@@ -157,13 +155,6 @@ def write(stem, scene, ranges, smallest):
     cv2.imwrite(str(stem.with_suffix('.truth.png')), truth)
 
 
-def run(*command):
-    done = subprocess.run([str(c) for c in command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
-    if done.returncode != 0:
-        sys.exit(f'{" ".join(map(str, command))}: {done.stderr.strip()}')
-    return json.loads(done.stdout.splitlines()[0])
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--seeds', type=int, nargs='+', default=list(range(1000, 1005)))
@@ -183,9 +174,9 @@ def main():
                 write(stem, scene, spoil(scene, rng), smallest)
                 for method in options.methods:
                     labels = stem.with_suffix(f'.{method}.png')
-                    found = run(options.ppc, 'segment', stem.with_suffix('.pcd'), '--method', method, '--labels', labels)
-                    score = run(options.ppc, 'evaluate', '--truth', stem.with_suffix('.truth.png'), '--labels', labels,
-                                '--min-region', smallest)
+                    found = json.loads(run(options.ppc, 'segment', stem.with_suffix('.pcd'), '--method', method, '--labels', labels))
+                    score = json.loads(run(options.ppc, 'evaluate', '--truth', stem.with_suffix('.truth.png'), '--labels', labels,
+                                '--min-region', smallest).splitlines()[0])
                     scores[method].append((score['f1'], score['correct'], score['true'], score['spurious'], score['mean_iou'],
                                            found['coverage']))
             for method, rows in scores.items():
