@@ -4,9 +4,10 @@
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/lanes.h"
 #include "patch_plane_clustering/core/parallel.h"
+#include "patch_plane_clustering/core/quadratic_fit.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -17,6 +18,9 @@ namespace ppc {
 namespace {
 
 constexpr int kMaxSamples = 1500;
+constexpr std::size_t kBlock = 64;      // samples summed in single precision
+constexpr float kMinCosine = 0.1F;      // of incidence, in the noise across a plane
+constexpr float kFarFromPlane = 4.0F;   // in standard deviations: such samples are left out
 constexpr double kSignificance = 25.0;  // far beyond chi-square with 3 degrees of freedom
 constexpr double kMinAmplitude = 0.5;   // of a bend, in tolerances of distance
 constexpr int kStripSizes = 2;          // largest size of such a strip over its neighbour's
@@ -32,119 +36,120 @@ constexpr double kFanMisfit = 0.1;      // the same misfit per point, in units o
 constexpr double kEdgeTolerance = 3.0;  // of a bent edge of a plane, in tolerances of distance
 constexpr double kUniformWidth = 3.46;  // width of a uniform distribution over its standard deviation
 
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-
-struct Sample {
-  Eigen::Vector3d point;
-  double sigma;   // across the region's plane [m]
-  double weight;  // pixels it stands for
-};
-
 // A sampled region: its plane by total least squares, and samples near that plane.
 struct SampledRegion {
-  std::int32_t id = 0;
   int points = 0;
+  int stride = 1;  // pixels a sample stands for
   Plane plane;
   Bend bend;
-  std::vector<Sample> samples;
+  SurfaceSamples samples;
 };
 
-SampledRegion sampleRegion(const BeamGrid& grid, std::int32_t id, int points, int stride, const std::vector<int>& pixels,
-                           const NoiseModel& noise) {
-  SampledRegion region;
-  region.id = id;
-  region.points = points;
-  const auto n = static_cast<double>(pixels.size());
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero(), beams = Eigen::Vector3d::Zero();
-  for (const int i : pixels) {
-    mean += grid.point(i).cast<double>() / n;
-    beams += grid.direction(i).cast<double>();
+// What is needed of pixels until their plane is known, beside their points.
+struct SampledBeams {
+  std::vector<float> ux, uy, uz;  // directions
+  std::vector<float> sigma;       // of the range [m]
+};
+
+// Reads pixels into samples about the first of them; those that fill up the last lanes are the first again.
+void readSamples(const BeamGrid& grid, const int* pixels, std::size_t n, const NoiseModel& noise, SurfaceSamples& samples,
+                 SampledBeams& beams) {
+  const std::size_t size = (n + kLanes - 1) / kLanes * kLanes;
+  for (auto* numbers : {&samples.x, &samples.y, &samples.z, &samples.height, &samples.weight}) numbers->assign(size, 0.0F);
+  for (auto* numbers : {&beams.ux, &beams.uy, &beams.uz, &beams.sigma}) numbers->assign(size, 0.0F);
+  const Eigen::Vector3f first = grid.point(pixels[0]);
+  samples.center = first.cast<double>();
+  for (std::size_t k = 0; k < n; ++k) {
+    const Eigen::Vector3f point = grid.point(pixels[k]) - first, beam = grid.direction(pixels[k]);
+    samples.x[k] = point.x();
+    samples.y[k] = point.y();
+    samples.z[k] = point.z();
+    beams.ux[k] = beam.x();
+    beams.uy[k] = beam.y();
+    beams.uz[k] = beam.z();
+    beams.sigma[k] = static_cast<float>(noise.sigma(grid.range[pixels[k]]));
   }
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  for (const int i : pixels) {
-    const Eigen::Vector3d p = grid.point(i).cast<double>() - mean;
-    scatter(0, 0) += p.x() * p.x();
-    scatter(1, 0) += p.y() * p.x();
-    scatter(2, 0) += p.z() * p.x();
-    scatter(1, 1) += p.y() * p.y();
-    scatter(2, 1) += p.z() * p.y();
-    scatter(2, 2) += p.z() * p.z();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);
-  Eigen::Vector3d normal = eigen.eigenvectors().col(0);
-  if (normal.dot(beams) > 0.0) normal = -normal;
-  region.plane = {normal, normal.dot(mean)};
-  const double rms = std::sqrt(std::max(0.0, eigen.eigenvalues()[0]) / n);
-  region.samples.reserve(pixels.size());
-  for (const int i : pixels) {
-    const Eigen::Vector3d p = grid.point(i).cast<double>();
-    const double cosine = std::max(0.1, -normal.dot(grid.direction(i).cast<double>()));
-    const double sigma = noise.sigma(grid.range[i]) * cosine;
-    if (std::abs(region.plane.signedDistance(p)) > 4.0 * std::max(sigma, rms)) continue;
-    region.samples.push_back({p, sigma, static_cast<double>(stride)});
-  }
-  return region;
 }
 
-// Least-squares plane and quadratic surface z(s, t) of samples over a given tangent frame.
-struct QuadraticFit {
-  double plane_chi2 = 0.0, quadratic_chi2 = 0.0;
-  double weight = 0.0;  // sum of 1 / sigma^2 [1/m^2]
-  double points = 0.0;
-  Eigen::Matrix2d hessian = Eigen::Matrix2d::Zero();  // [1/m]
-  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();  // [m^2]
-};
-
-QuadraticFit fitQuadratic(const Eigen::Vector3d& n, const std::vector<const std::vector<Sample>*>& groups) {
-  QuadraticFit fit;
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();
-  std::size_t count = 0;
-  for (const auto* group : groups) {
-    for (const Sample& sample : *group) center += sample.point;
-    count += group->size();
-  }
-  if (count < 6) return fit;
-  center /= static_cast<double>(count);
-  double spread = 0.0;
-  for (const auto* group : groups) {
-    for (const Sample& sample : *group) spread = std::max(spread, (sample.point - center).squaredNorm());
-  }
-  const double scale = std::sqrt(spread);  // coordinates of order one keep the normal equations well conditioned
-  if (!(scale > 0.0)) return fit;
-  const Eigen::Vector3d s_axis = n.unitOrthogonal();
-  const Eigen::Vector3d t_axis = n.cross(s_axis);
-  Matrix6 normal = Matrix6::Zero();
-  Vector6 right = Vector6::Zero();
-  double total = 0.0;
-  for (const auto* group : groups) {
-    for (const Sample& sample : *group) {
-      const Eigen::Vector3d p = sample.point - center;
-      const double s = s_axis.dot(p) / scale, t = t_axis.dot(p) / scale, z = n.dot(p);
-      const double w = sample.weight / (sample.sigma * sample.sigma);
-      const double terms[6] = {1.0, s, t, s * s, s * t, t * t};
-      for (int row = 0; row < 6; ++row) {  // the lower triangle
-        const double weighted = w * terms[row];
-        right[row] += weighted * z;
-        for (int col = 0; col <= row; ++col) normal(row, col) += weighted * terms[col];
-      }
-      total += w * z * z;
-      fit.points += sample.weight;
+// Mean and scatter (the lower triangle) of samples, and the sum of their beams.
+void sumSamples(const SurfaceSamples& samples, const SampledBeams& beams, double n, Eigen::Vector3d& mean,
+                Eigen::Matrix3d& scatter, Eigen::Vector3d& beam) {
+  mean.setZero();
+  scatter.setZero();
+  beam.setZero();
+  for (std::size_t begin = 0; begin < samples.size(); begin += kBlock) {
+    Lanes x = {}, y = {}, z = {}, xx = {}, xy = {}, xz = {}, yy = {}, yz = {}, zz = {}, ux = {}, uy = {}, uz = {};
+    for (std::size_t i = begin; i < std::min(begin + kBlock, samples.size()); i += kLanes) {
+      const auto px = loadLanes<Lanes>(&samples.x[i]), py = loadLanes<Lanes>(&samples.y[i]);
+      const auto pz = loadLanes<Lanes>(&samples.z[i]);
+      x += px;
+      y += py;
+      z += pz;
+      xx += px * px;
+      xy += px * py;
+      xz += px * pz;
+      yy += py * py;
+      yz += py * pz;
+      zz += pz * pz;
+      ux += loadLanes<Lanes>(&beams.ux[i]);
+      uy += loadLanes<Lanes>(&beams.uy[i]);
+      uz += loadLanes<Lanes>(&beams.uz[i]);
     }
+    mean += Eigen::Vector3d(sumLanes(x), sumLanes(y), sumLanes(z));
+    beam += Eigen::Vector3d(sumLanes(ux), sumLanes(uy), sumLanes(uz));
+    scatter(0, 0) += sumLanes(xx);
+    scatter(1, 0) += sumLanes(xy);
+    scatter(2, 0) += sumLanes(xz);
+    scatter(1, 1) += sumLanes(yy);
+    scatter(2, 1) += sumLanes(yz);
+    scatter(2, 2) += sumLanes(zz);
   }
-  normal = Matrix6(normal.selfadjointView<Eigen::Lower>());
-  fit.weight = normal(0, 0);
-  fit.scatter = normal.block<2, 2>(1, 1);
-  const double ridge = 1e-9 * normal.trace();
-  const Vector6 quadratic = Matrix6(normal + ridge * Matrix6::Identity()).ldlt().solve(right);
-  const Eigen::Vector3d linear =
-      Eigen::Matrix3d(normal.topLeftCorner<3, 3>() + ridge * Eigen::Matrix3d::Identity()).ldlt().solve(right.head<3>());
-  fit.plane_chi2 = std::max(0.0, total - linear.dot(right.head<3>()));
-  fit.quadratic_chi2 = std::max(0.0, total - quadratic.dot(right));
-  fit.hessian << 2.0 * quadratic[3], quadratic[4], quadratic[4], 2.0 * quadratic[5];
-  fit.hessian /= scale * scale;
-  fit.scatter *= scale * scale / fit.weight;
-  return fit;
+  mean /= n;
+  scatter -= n * mean * mean.transpose();
+}
+
+// Moves samples to a center on their plane, and weighs those near it.
+void weighSamples(const Eigen::Vector3f& move, const Eigen::Vector3f& normal, float rms, int n, float stride,
+                  const SampledBeams& beams, SurfaceSamples& samples) {
+  LaneMask used = {};
+  for (int i = 0; i < n; i += kLanes) {
+    const Lanes x = loadLanes<Lanes>(&samples.x[i]) - move.x(), y = loadLanes<Lanes>(&samples.y[i]) - move.y();
+    const Lanes z = loadLanes<Lanes>(&samples.z[i]) - move.z();
+    const Lanes height = normal.x() * x + normal.y() * y + normal.z() * z;
+    const Lanes cosine = -(normal.x() * loadLanes<Lanes>(&beams.ux[i]) + normal.y() * loadLanes<Lanes>(&beams.uy[i]) +
+                           normal.z() * loadLanes<Lanes>(&beams.uz[i]));
+    const Lanes sigma = loadLanes<Lanes>(&beams.sigma[i]) * (cosine > fill(kMinCosine) ? cosine : fill(kMinCosine));
+    const Lanes limit = kFarFromPlane * (sigma > fill(rms) ? sigma : fill(rms));
+    const LaneMask near = (height <= limit) & (height >= -limit) & firstLanes(n - i);
+    used += near;
+    storeLanes(x, &samples.x[i]);
+    storeLanes(y, &samples.y[i]);
+    storeLanes(z, &samples.z[i]);
+    storeLanes(height, &samples.height[i]);
+    storeLanes(near ? stride / (sigma * sigma) : Lanes{}, &samples.weight[i]);
+  }
+  samples.used = countLanes(used);
+}
+
+SampledRegion sampleRegion(const BeamGrid& grid, int points, int stride, const int* pixels, int n, const NoiseModel& noise,
+                           SampledBeams& beams) {
+  SampledRegion region;
+  region.points = points;
+  region.stride = stride;
+  SurfaceSamples& samples = region.samples;
+  readSamples(grid, pixels, static_cast<std::size_t>(n), noise, samples, beams);
+  Eigen::Vector3d mean, beam;
+  Eigen::Matrix3d scatter;
+  sumSamples(samples, beams, n, mean, scatter, beam);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);
+  samples.normal = eigen.eigenvectors().col(0);
+  if (samples.normal.dot(beam) > 0.0) samples.normal = -samples.normal;
+  samples.center += mean;
+  region.plane = {samples.normal, samples.normal.dot(samples.center)};
+  const double rms = std::sqrt(std::max(0.0, eigen.eigenvalues()[0]) / n);
+  weighSamples(mean.cast<float>(), samples.normal.cast<float>(), static_cast<float>(rms), n, static_cast<float>(stride),
+               beams, samples);
+  return region;
 }
 
 Bend bendOf(const QuadraticFit& fit) {
@@ -208,14 +213,18 @@ std::set<std::pair<std::int32_t, std::int32_t>> touchingLabels(const LabelImage&
 // One smooth surface serves both as well as two of their own would, one plane does not.
 bool isSmooth(const SampledRegion& a, const SampledRegion& b, const CoplanarityTolerance& tolerance) {
   const Eigen::Vector3d n = (a.points * a.plane.normal + b.points * b.plane.normal).normalized();
-  const QuadraticFit fit_a = fitQuadratic(n, {&a.samples});
-  const QuadraticFit fit_b = fitQuadratic(n, {&b.samples});
-  const QuadraticFit both = fitQuadratic(n, {&a.samples, &b.samples});
+  const Eigen::Vector3d s = n.unitOrthogonal(), t = n.cross(s);
+  const Eigen::Vector3d origin = (a.points * a.samples.center + b.points * b.samples.center) / (a.points + b.points);
+  QuadraticSums sums = sumQuadraticAbout(origin, a.samples, s, t);
+  const QuadraticSums sums_b = sumQuadraticAbout(origin, b.samples, s, t);
+  const QuadraticFit fit_a = fitQuadratic(sums), fit_b = fitQuadratic(sums_b);
+  const QuadraticFit both = fitQuadratic(sums += sums_b);
+  const double points = a.stride * a.samples.used + b.stride * b.samples.used;
   const double plane_excess = both.plane_chi2 - fit_a.plane_chi2 - fit_b.plane_chi2;
   const double quadratic_excess = both.quadratic_chi2 - fit_a.quadratic_chi2 - fit_b.quadratic_chi2;
   return plane_excess > kSignificance * tolerance.inflation && quadratic_excess < kFanRatio * plane_excess &&
-         quadratic_excess < kFanMisfit * (tolerance.inflation * both.points +
-                                          tolerance.sigma_distance * tolerance.sigma_distance * both.weight);
+         quadratic_excess <
+             kFanMisfit * (tolerance.inflation * points + tolerance.sigma_distance * tolerance.sigma_distance * both.weight);
 }
 
 // Whether neighbours are turned against each other by more than an angle [rad], and not as the sides of an edge.
@@ -238,13 +247,16 @@ bool isFan(const SampledRegion& a, const SampledRegion& b, const CoplanarityTole
 }
 
 // Root mean square distance of samples from a plane, their noise taken out [m].
-double misfit(const Plane& plane, const std::vector<Sample>& samples) {
+double misfit(const Plane& plane, const SampledRegion& region) {
+  const SurfaceSamples& samples = region.samples;
+  const double offset = plane.signedDistance(samples.center);
   double sum = 0.0;
-  for (const Sample& sample : samples) {
-    const double distance = plane.signedDistance(sample.point);
-    sum += distance * distance - sample.sigma * sample.sigma;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (samples.weight[i] == 0.0F) continue;
+    const double distance = offset + plane.normal.dot(Eigen::Vector3d(samples.x[i], samples.y[i], samples.z[i]));
+    sum += distance * distance - region.stride / double{samples.weight[i]};
   }
-  return std::sqrt(std::max(0.0, sum / static_cast<double>(std::max<std::size_t>(1, samples.size()))));
+  return std::sqrt(std::max(0.0, sum / std::max(1, samples.used)));
 }
 
 // Samples of every label of at least three points; index = label.
@@ -252,23 +264,32 @@ std::vector<SampledRegion> sampleRegions(const BeamGrid& grid, const LabelImage&
                                          int threads) {
   std::vector<int> count(static_cast<std::size_t>(highestLabel(labels)) + 1, 0);
   forEachRun(labels, [&](std::int32_t label, int begin, int end) { count[label] += end - begin; });
-  std::vector<std::vector<int>> pixels(count.size());
+  const auto strideOf = [&](std::size_t label) { return std::max(1, count[label] / kMaxSamples); };
+  std::vector<int> begin(count.size() + 1, 0);  // of each label's samples
+  for (std::size_t label = 0; label < count.size(); ++label) {
+    begin[label + 1] = begin[label] + (count[label] + strideOf(label) - 1) / strideOf(label);
+  }
+  std::vector<int> pixels(static_cast<std::size_t>(begin.back()));
+  std::vector<int> end = begin;
   std::vector<int> next(count.size(), 0);  // pixels of the label until the next sample
-  forEachRun(labels, [&](std::int32_t label, int begin, int end) {
-    const int stride = std::max(1, count[label] / kMaxSamples);
-    int i = begin + next[label];
-    for (; i < end; i += stride) {
-      if (grid.valid(i)) pixels[label].push_back(i);
+  forEachRun(labels, [&](std::int32_t label, int from, int to) {
+    const int stride = strideOf(label);
+    int i = from + next[label];
+    for (; i < to; i += stride) {
+      if (grid.valid(i)) pixels[end[label]++] = i;
     }
-    next[label] = i - end;
+    next[label] = i - to;
   });
   std::vector<SampledRegion> regions(count.size());
-  forEachRange(threads, static_cast<int>(count.size()), [&](int begin, int end) {
-    for (int label = begin; label < end; ++label) {
-      if (pixels[label].size() < 3) continue;
-      const int stride = std::max(1, count[label] / kMaxSamples);
-      regions[label] = sampleRegion(grid, label, count[label], stride, pixels[label], noise);
-      regions[label].bend = bendOf(fitQuadratic(regions[label].plane.normal, {&regions[label].samples}));
+  forEachRange(threads, static_cast<int>(count.size()), [&](int first, int last) {
+    SampledBeams beams;
+    for (int label = first; label < last; ++label) {
+      const int n = end[label] - begin[label];
+      if (n < 3) continue;
+      SampledRegion& region = regions[label];
+      region = sampleRegion(grid, count[label], strideOf(label), pixels.data() + begin[label], n, noise, beams);
+      const Eigen::Vector3d s = region.plane.normal.unitOrthogonal();
+      region.bend = bendOf(fitQuadratic(sumQuadratic(region.samples, s, region.plane.normal.cross(s))));
     }
   });
   return regions;
@@ -317,7 +338,7 @@ void dropCurvedRegions(const BeamGrid& grid, const NoiseModel& noise, const Copl
       if (!alone[strip] || curved[host]) continue;
       const SampledRegion& plane = regions[host];
       if (plane.points <= std::max(host_points[strip], regions[strip].points)) continue;
-      if (misfit(plane.plane, regions[strip].samples) > kEdgeTolerance * tolerance.sigma_distance) continue;
+      if (misfit(plane.plane, regions[strip]) > kEdgeTolerance * tolerance.sigma_distance) continue;
       host_points[strip] = plane.points;
       renamed[strip] = host;
     }

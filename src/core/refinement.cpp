@@ -105,8 +105,6 @@ void paint(const BeamGrid& grid, const Patch& patch, std::int32_t label, LabelIm
   }
 }
 
-void storeLanes(Lanes lanes, float* to) { std::memcpy(to, &lanes, sizeof lanes); }
-
 // Numbers of the pixels of a cell and its surroundings, one column to the left and right and `reach` rows up and down,
 // and their sums over windows of three columns and 2 reach + 1 rows.
 class CellWindow {

@@ -39,6 +39,9 @@ Vector loadLanes(const Number* data, int count) {
   return lanes;
 }
 
+/// Writes four numbers.
+inline void storeLanes(Lanes lanes, float* to) { std::memcpy(to, &lanes, sizeof lanes); }
+
 inline float sumLanes(Lanes v) { return (v[0] + v[2]) + (v[1] + v[3]); }
 /// Two numbers of double precision.
 constexpr int kPair = 2;

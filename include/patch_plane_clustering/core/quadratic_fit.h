@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace ppc {
+
+/// @brief Samples of a surface near a plane of its own, an array a number. All arrays are as long as each other, and whole
+/// lanes (a multiple of kLanes): fill up with samples of weight 0.
+struct SurfaceSamples {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< on the plane; the points are about it [m]
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+  std::vector<float> x, y, z;  ///< [m]
+  std::vector<float> height;   ///< normal . (x, y, z) [m]
+  std::vector<float> weight;   ///< 1 / variance of the height [1/m^2]; 0: left out
+  int used = 0;                ///< samples of a weight above 0
+
+  std::size_t size() const { return x.size(); }
+};
+
+/// @brief Normal equations of weighted least squares  z(s, t) = c . (1, s, t, s^2, s t, t^2)  about an origin. Those of
+/// several groups of samples add, once they are about one origin and one base.
+struct QuadraticSums {
+  Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();  ///< sum w m m^T of the terms m
+  Eigen::Matrix<double, 6, 1> right = Eigen::Matrix<double, 6, 1>::Zero();   ///< sum w m z
+  double total = 0.0;                                                        ///< sum w z^2
+  int used = 0;                                                              ///< samples
+
+  QuadraticSums& operator+=(const QuadraticSums& o);
+};
+
+/// @brief Sums of samples in the frame of two tangents s and t and their cross product n, about the samples' own center,
+/// and with z (along n) from their own plane: small numbers, so that single precision holds all digits that matter.
+/// Precondition: n is not in the samples' plane.
+QuadraticSums sumQuadratic(const SurfaceSamples& samples, const Eigen::Vector3d& s_axis, const Eigen::Vector3d& t_axis);
+
+/// @brief The same about another origin, with z from the plane through that origin and perpendicular to n.
+QuadraticSums sumQuadraticAbout(const Eigen::Vector3d& origin, const SurfaceSamples& samples, const Eigen::Vector3d& s_axis,
+                                const Eigen::Vector3d& t_axis);
+
+/// @brief Least-squares plane and quadratic surface.
+struct QuadraticFit {
+  double plane_chi2 = 0.0, quadratic_chi2 = 0.0;
+  double weight = 0.0;                                // sum of 1 / sigma^2 [1/m^2]
+  Eigen::Matrix2d hessian = Eigen::Matrix2d::Zero();  // [1/m]
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();  // weighted covariance of (s, t) about the origin [m^2]
+};
+
+/// @brief Solves the normal equations. Of fewer than six samples, or samples at one point: all zero.
+QuadraticFit fitQuadratic(const QuadraticSums& sums);
+
+}  // namespace ppc
