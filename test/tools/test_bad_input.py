@@ -8,8 +8,10 @@ import os
 import random
 import resource
 import signal
+import struct
 import subprocess
 import unittest
+import zlib
 
 import rosbag
 import rospy
@@ -49,6 +51,21 @@ class Clouds(WithFolder):
         self.refused("count.pcd", whole.replace(b"COUNT 1 1 1", b"COUNT 1 99999999 1"), "truncated")
         self.refused("nothing_after.pcd", whole.split(b"DATA")[0])
         self.refused("other_data.pcd", whole.replace(b"DATA binary", b"DATA zipped"))
+
+    def test_images_too_large_for_any_scanner(self):
+        huge = self.folder / "huge.pcd"
+        huge.write_bytes(self.cloud.read_bytes().replace(b"WIDTH 80", b"WIDTH 11000").replace(b"HEIGHT 60", b"HEIGHT 11000")
+                         .replace(b"POINTS 4800", b"POINTS 121000000"))
+        os.truncate(huge, 1500000000)  # of holes
+        self.assert_fails(ppc("segment", huge), "huge.pcd", "more than 100000000 points")
+
+        def part(kind, data):
+            return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        labels, picture = self.folder / "l.png", self.folder / "huge.png"
+        self.assertEqual(ppc("segment", self.cloud, "--labels", labels).returncode, 0)
+        picture.write_bytes(b"\x89PNG\r\n\x1a\n" + part(b"IHDR", struct.pack(">IIBBBBB", 10000, 10001, 8, 0, 0, 0, 0)) +
+                            part(b"IDAT", zlib.compress(bytes(10001 * 10001), 1)) + part(b"IEND", b""))
+        self.assert_fails(ppc("evaluate", "--truth", picture, "--labels", labels), "huge.png", "larger than any range image")
 
     def test_what_is_no_file(self):
         os.mkfifo(self.folder / "pipe.pcd")
@@ -151,6 +168,47 @@ class Clouds(WithFolder):
         write_pcd(small, wall(10, 10), 10, 10)
         self.assert_fails(ppc("evaluate", "--truth", labels, "--labels", labels, "--cloud", small), "l.png")
 
+    def test_numbers_of_planes_to_evaluate(self):
+        labels, polygons = self.folder / "l.png", self.folder / "p.json"
+        self.assertEqual(ppc("segment", self.cloud, "--labels", labels, "--polygons", polygons).returncode, 0)
+        whole = json.loads(polygons.read_text())["planes"][0]
+        ring = whole["outer"]
+        far = [[1e300, 0, 0]] + ring[1:]
+        both = [("id", 2**31), ("normal", [0, 0, 0]), ("d", 1e300)]
+        only_polygons = [("id", 2**64), ("id", 0), ("id", 1.5), ("id", True), ("id", [1]), ("normal", [1e300, 0, 0]),
+                         ("normal", [0, 1]), ("normal", ["a", 0, 0]), ("points", 2**31), ("points", -5), ("rms", -1), ("area", -1),
+                         ("outer", {"a": 1}), ("outer", far), ("outer", [p[:2] for p in ring]), ("holes", [far])]
+        arguments = ("evaluate", "--truth", labels, "--labels", labels, "--cloud", self.cloud)
+        bad = self.folder / "bad.json"
+        for option, faults, kind in (("--polygons", both + only_polygons, "not a polygons file"),
+                                     ("--truth-planes", both, "not a file of planes")):
+            for name, value in faults:
+                with self.subTest(option=option, name=name, value=str(value)[:40]):
+                    bad.write_text(json.dumps({"planes": [whole, {**whole, "id": 2, name: value}]}))
+                    self.assert_fails(ppc(*arguments, option, bad), "bad.json", kind, "plane 2: ", name)
+            bad.write_text(json.dumps({"planes": [whole, dict(whole, d=whole["d"] - 1.0)]}))
+            self.assert_fails(ppc(*arguments, option, bad), "bad.json", kind, "plane 2: id 1")
+            bad.write_text('{"planes":' + "[" * 300000 + "]" * 300000 + "}")
+            self.assert_fails(ppc(*arguments, option, bad), "bad.json", kind)
+        # A region may have several polygons, and a polygon that is none is scored as such.
+        bad.write_text(json.dumps({"planes": [whole, dict(whole, outer=ring[:2], holes=[])]}))
+        score = json.loads(ppc(*arguments, "--polygons", bad).stdout)["from_polygons"]
+        self.assertEqual((score["polygons"], score["invalid"]), (2, 1))
+
+    def test_numbers_of_options(self):
+        simulate, segment = ("simulate", "--pcd", self.folder / "s.pcd"), ("segment", self.cloud)
+        evaluate = ("evaluate", "--truth", self.cloud, "--labels", self.cloud)
+        for arguments, option, values in (
+                (simulate, "--noise", ("nan", "1x")), (simulate, "--amplitude", ("1e400",)), (simulate, "--lines", ("99999999999",)),
+                (simulate, "--seed", ("-1", "99999999999999999999")), (simulate, "--lever-arm", ("0 0 1e300",)),
+                (simulate, "--mount-rpy", ("90 0 0",)), (segment, "--turn-hysteresis", ("nan",)), (segment, "--time-offset", ("inf",)),
+                (segment, "--lever-arm", ("0 nan 0",)), (segment, "--mount-rpy", ("0 0 180",)), (evaluate, "--tolerance", ("nan",)),
+                (evaluate, "--min-region", ("-5", "99999999999"))):
+            for value in values:
+                with self.subTest(option=option, value=value):
+                    self.assert_fails(ppc(*arguments, option, *value.split()), option)
+        self.assertFalse((self.folder / "s.pcd").exists())
+
     def test_configuration_files(self):
         for name, content in (("empty.yaml", b""), ("binary.yaml", bytes(range(256))), ("list.yaml", b"- 1\n"),
                               ("nested.yaml", b"patch_size: {a: 1}\n"), ("deep.yaml", b"[" * 100000),
@@ -190,6 +248,54 @@ class Bags(WithFolder):
                 self.assert_fails(ppc("bag", self.folder / name, self.folder / "out.bag"), name)
         self.assert_fails(ppc("bag", self.folder, self.folder / "out.bag"), "directory")
         self.assert_fails(ppc("bag", self.folder / "none.bag", self.folder / "out.bag"), "none.bag", "no such file")
+        self.assertFalse((self.folder / "out.bag").exists())
+
+    def packed(self, compression):
+        """The bag with its messages in chunks of some kilobytes."""
+        path = self.folder / (compression + ".bag")
+        with rosbag.Bag(str(self.bag)) as source, rosbag.Bag(str(path), "w", compression=compression, chunk_threshold=20000) as out:
+            for topic, message, stamp in source.read_messages():
+                out.write(topic, message, stamp)
+        return path
+
+    def test_recordings_that_were_not_closed(self):
+        running = rosbag.Bag(str(self.folder / "run.bag.active"), "w", chunk_threshold=20000)
+        with rosbag.Bag(str(self.bag)) as source:
+            for topic, message, stamp in source.read_messages():
+                running.write(topic, message, stamp)
+        running.flush()
+        crashed = self.folder / "run.bag"
+        crashed.write_bytes((self.folder / "run.bag.active").read_bytes())
+        for name in ("run.bag.active", "run.bag"):
+            self.assert_fails(ppc("segment", self.folder / name), name, "not closed by its recorder")
+            self.assert_fails(ppc("bag", self.folder / name, self.folder / "out.bag"), name, "not closed by its recorder")
+        running.close()
+        run = ppc("segment", self.folder / "run.bag.active")  # whatever its name
+        self.assertEqual((run.returncode, run.stdout.count('"image":')), (0, 1), run.stderr)
+
+    def test_chunks_that_are_cut_or_damaged(self):
+        for compression in ("none", "bz2", "lz4"):
+            path = self.packed(compression)
+            whole = path.read_bytes()
+            self.assertEqual(ppc("segment", path).returncode, 0)
+            with rosbag.Bag(str(path)) as bag:
+                chunks = [chunk.pos for chunk in bag._chunks]
+                entry = bag._connection_indexes[0][len(bag._connection_indexes[0]) // 2]
+            self.assertGreater(len(chunks), 3)
+            middle = (chunks[1] + chunks[2]) // 2
+            damages = [("cut", whole[:middle]), ("zeros", whole[:middle] + bytes(300) + whole[middle + 300:])]
+            # Where a message is, by the index behind its chunk.
+            stamp = struct.pack("<II", entry.time.secs, entry.time.nsecs)
+            at = whole.index(stamp + struct.pack("<I", entry.offset), entry.chunk_pos) + len(stamp)
+            for offset in (0xffffffff, 0xfffffff0, 0x7fffffff, 100000, entry.offset + 1):
+                damages.append((f"offset {offset}", whole[:at] + struct.pack("<I", offset) + whole[at + 4:]))
+            at = whole.index(b"chunk_pos=", chunks[-1]) + 10
+            damages.append(("chunk_pos", whole[:at] + struct.pack("<Q", chunks[1] + 1) + whole[at + 8:]))
+            for name, content in damages:
+                with self.subTest(compression + " " + name):
+                    damaged = self.folder / "damaged.bag"
+                    damaged.write_bytes(content)
+                    self.assert_fails(ppc("bag", damaged, self.folder / "out.bag"), "damaged.bag", "is damaged: the record at byte")
         self.assertFalse((self.folder / "out.bag").exists())
 
     def test_bag_without_scans(self):

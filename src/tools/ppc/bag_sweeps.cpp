@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bag_sweeps.h"
 
+#include "bag_check.h"
 #include "bag_message.h"
 #include "bag_tilt.h"
 #include "files.h"
+#include "number_check.h"
 #include "patch_plane_clustering/core/tilt_pose_source.h"
 #include "patch_plane_clustering/ros/joint_sample.h"
 #include "patch_plane_clustering/ros/publisher_watch.h"
@@ -133,12 +135,16 @@ void BagOptions::addTo(CLI::App& command) {
   add("--motion", motion, "Motion of the motor")
       ->check(CLI::IsMember({"nodding", "half_turn", "full_turn"}))
       ->capture_default_str();
-  add("--lever-arm", lever_arm, "Laser in the tilting frame, x y z [m] (from /tf)")->expected(3);
-  add("--mount-rpy", mount_rpy, "Rotation of the laser in the tilting frame, roll pitch yaw [rad] (from /tf)")->expected(3);
+  add("--lever-arm", lever_arm, "Laser in the tilting frame, x y z [m] (from /tf)")
+      ->expected(3)
+      ->check(numberIn(-1000.0, 1000.0));
+  add("--mount-rpy", mount_rpy, "Rotation of the laser in the tilting frame, roll pitch yaw [rad] (from /tf)")
+      ->expected(3)
+      ->check(numberIn(-6.3, 6.3));
   add("--base-frame", base_frame, "Frame of the range images (from /tf)");
-  add("--time-offset", time_offset, "Added to the stamps of scans [s]");
+  add("--time-offset", time_offset, "Added to the stamps of scans [s]")->check(numberIn(-1e9, 1e9));
   add("--turn-hysteresis", sweep.turn_hysteresis, "Way back that makes a turning point [rad]")
-      ->check(CLI::Range(0.0, 3.0))
+      ->check(numberIn(0.0, 3.0))
       ->capture_default_str();
   add("--min-lines", sweep.min_lines, "Smaller sweeps are dropped")->check(CLI::Range(1, 100000))->capture_default_str();
   add("--max-lines", sweep.max_lines, "Longer sweeps are cut")->check(CLI::Range(1, 100000))->capture_default_str();
@@ -148,6 +154,7 @@ LineAccounts readSweeps(const std::string& path, const BagOptions& options,
                         const std::function<void(const rosbag::MessageInstance&)>& on_message,
                         const std::function<void(BagSweep&&)>& on_sweep, const std::function<void(double)>& on_progress) {
   requireReadableFile(path);
+  checkBag(path);
   rosbag::Bag bag;
   BagTilt tilt;
   try {

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_file.h"
+#include "number_check.h"
 #include "patch_plane_clustering/core/region_statistics.h"
 #include "patch_plane_clustering/evaluation/boundary_score.h"
 #include "patch_plane_clustering/evaluation/hole_score.h"
 #include "patch_plane_clustering/evaluation/plane_score.h"
 #include "patch_plane_clustering/evaluation/polygon_score.h"
 #include "patch_plane_clustering/evaluation/segcomp.h"
+#include "plane_files.h"
 #include "result_files.h"
 #include "subcommands.h"
 
@@ -256,9 +258,10 @@ void addEvaluate(CLI::App& app) {
                       "True planes (JSON, by ppc simulate --truth-planes): adds errors against these, and those of a fit to "
                       "the true pixels");
   command->add_option("--min-region", options->min_region, "True regions of fewer pixels are ignored")
+      ->check(CLI::Range(0, 100000000))
       ->capture_default_str();
   command->add_option("--tolerance", options->tolerance, "Overlap of a correct detection")
-      ->check(CLI::Range(0.51, 1.0))
+      ->check(numberIn(0.51, 1.0))
       ->capture_default_str();
   command->callback([options] { run(*options); });
 }

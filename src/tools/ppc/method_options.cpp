@@ -54,7 +54,9 @@ void MethodOptions::addTo(CLI::App& command) {
     std::string list;
     const auto each_method = makeSegmenter(name);
     for (const MethodParameter& each : each_method->parameters()) list += (list.empty() ? "" : ", ") + each.name;
-    if (!list.empty()) own += (own.empty() ? "" : "; ") + name + ": " + list;
+    if (list.empty()) continue;
+    if (!own.empty()) own += "; ";
+    own.append(name).append(": ").append(list);
   }
   command.add_option("--tune", tuning, "Sets a parameter of a method other than ppc, name=value; may be repeated. " + own)
       ->expected(1)

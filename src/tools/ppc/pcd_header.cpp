@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kBestCompression = 90.0;  // of LZF, at the most
 constexpr double kMostBytesOfPoint = 1e6;
+constexpr double kMostPoints = 1e8;  // as of messages: more are a corrupt size, or would eat the memory
 const char* const kKeys[] = {"VERSION", "FIELDS", "SIZE", "TYPE", "COUNT", "WIDTH", "HEIGHT", "VIEWPOINT", "POINTS", "DATA"};
 
 using Words = std::vector<std::string>;
@@ -51,7 +52,7 @@ std::vector<double> numbers(const std::string& path, const Header& header, const
   for (const std::string& word : found->second) {
     const bool whole = word.find_first_not_of("0123456789") == std::string::npos && word.size() < 16;
     const double value = whole ? std::stod(word) : -1.0;
-    if (value < least) fail(path, "has " + key + " " + word + " in its header");
+    if (value < least) fail(path, std::string("has ").append(key).append(" ").append(word) + " in its header");
     values.push_back(value);
   }
   return values;
@@ -115,6 +116,7 @@ void checkPcdHeader(const std::string& path) {
     cause << "is truncated: its header promises " << pixels << " points, but only " << left << " bytes follow";
     fail(path, cause.str());
   }
+  if (points > kMostPoints) fail(path, "holds more than 100000000 points");
   if (points != width * height) fail(path, "has POINTS that are not WIDTH times HEIGHT");
   if (height <= 1) fail(path, "is not organised (height 1); the neighbourhood of points is needed");
   if (data == "binary_compressed") {

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <locale>
 #include <sstream>
 #include <stdexcept>
@@ -18,6 +17,8 @@ namespace ppc {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostPixels = 100000000;  // as of clouds and messages
 
 Json ringJson(const std::vector<Eigen::Vector3d>& ring) {
   Json all = Json::array();
@@ -52,6 +53,7 @@ LabelImage readLabels(const std::string& path) {
   if (picture.channels() != 1 || (picture.depth() != CV_8U && picture.depth() != CV_16U)) {
     throw std::runtime_error(path + ": is not a label image (one channel of 8 or 16 bits)");
   }
+  if (picture.total() > kMostPixels) throw std::runtime_error(path + ": is larger than any range image");
   picture.convertTo(picture, CV_32S);
   LabelImage labels{picture.rows, picture.cols, {}};
   labels.labels.assign(picture.begin<std::int32_t>(), picture.end<std::int32_t>());
@@ -78,62 +80,6 @@ Json polygonsJson(const BeamGrid& grid, const Segmentation& result, const ImageS
   }
   return {
       {"frame_id", source.frame_id}, {"stamp", source.stamp}, {"rows", grid.rows}, {"cols", grid.cols}, {"planes", planes}};
-}
-
-Segmentation readPolygons(const std::string& path) {
-  requireReadableFile(path);
-  Segmentation result;
-  const auto point = [](const Json& json) { return Eigen::Vector3d(json.at(0), json.at(1), json.at(2)); };
-  const auto ring = [&](const Json& json) {
-    std::vector<Eigen::Vector3d> points;
-    for (const Json& each : json) points.push_back(point(each));
-    return points;
-  };
-  try {
-    std::ifstream in(path);
-    const Json json = Json::parse(in);
-    for (const Json& plane : json.at("planes")) {
-      PlanarPolygon polygon;
-      polygon.id = plane.at("id");
-      polygon.outer = ring(plane.at("outer"));
-      polygon.area = plane.at("area");
-      for (const Json& hole : plane.at("holes")) polygon.holes.push_back(ring(hole));
-      result.polygons.push_back(polygon);
-      PlanarRegion region;
-      region.id = polygon.id;
-      region.plane = {point(plane.at("normal")), plane.at("d")};
-      region.rms = plane.at("rms");
-      region.points = plane.at("points");
-      result.regions.push_back(region);
-    }
-  } catch (const nlohmann::json::exception& error) {
-    throw std::runtime_error(path + ": is not a polygons file (" + error.what() + ")");
-  }
-  const auto before = [](const PlanarRegion& a, const PlanarRegion& b) { return a.id < b.id; };
-  const auto same = [](const PlanarRegion& a, const PlanarRegion& b) { return a.id == b.id; };
-  std::stable_sort(result.regions.begin(), result.regions.end(), before);
-  result.regions.erase(std::unique(result.regions.begin(), result.regions.end(), same), result.regions.end());
-  return result;
-}
-
-std::vector<PlanarRegion> readPlanes(const std::string& path) {
-  requireReadableFile(path);
-  std::vector<PlanarRegion> planes;
-  try {
-    std::ifstream in(path);
-    const Json json = Json::parse(in);
-    for (const Json& plane : json.at("planes")) {
-      const Json& normal = plane.at("normal");
-      PlanarRegion region;
-      region.id = plane.at("id");
-      region.plane = {Eigen::Vector3d(normal.at(0), normal.at(1), normal.at(2)), plane.at("d")};
-      planes.push_back(region);
-    }
-  } catch (const nlohmann::json::exception& error) {
-    throw std::runtime_error(path + ": is not a file of planes (" + error.what() + ")");
-  }
-  std::sort(planes.begin(), planes.end(), [](const PlanarRegion& a, const PlanarRegion& b) { return a.id < b.id; });
-  return planes;
 }
 
 Json statisticsJson(const BeamGrid& grid, const Segmentation& result) {

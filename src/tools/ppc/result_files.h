@@ -28,14 +28,6 @@ LabelImage readLabels(const std::string& path);
 /// "area", "outer", "holes"}]}, one entry a polygon, normal . p = d.
 nlohmann::ordered_json polygonsJson(const BeamGrid& grid, const Segmentation& result, const ImageSource& source);
 
-/// @brief Planes and polygons of a file of polygonsJson(); other members of Segmentation stay empty.
-/// @throws std::runtime_error naming the file and the cause.
-Segmentation readPolygons(const std::string& path);
-
-/// @brief Planes of a file {"planes": [{"id", "normal", "d"}]}, ascending ids; other members stay empty.
-/// @throws std::runtime_error naming the file and the cause.
-std::vector<PlanarRegion> readPlanes(const std::string& path);
-
 /// @brief Counts and times of one segmentation; the names of stages and their milliseconds under "stages_ms".
 nlohmann::ordered_json statisticsJson(const BeamGrid& grid, const Segmentation& result);
 

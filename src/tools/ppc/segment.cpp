@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "bag_check.h"
 #include "bag_sweeps.h"
 #include "cloud_file.h"
 #include "files.h"
@@ -13,7 +14,6 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 
@@ -36,6 +36,7 @@ std::vector<StageTime> medianStages(const std::vector<std::vector<StageTime>>& r
   std::vector<StageTime> medians = runs.front();
   for (std::size_t stage = 0; stage < medians.size(); ++stage) {
     std::vector<double> times;
+    times.reserve(runs.size());
     for (const auto& run : runs) times.push_back(run[stage].second);
     medians[stage].second = median(times);
   }
@@ -47,6 +48,7 @@ void segmentImage(const SegmentOptions& options, const Config& config, PlaneSegm
   Segmentation result = segmentWith(method, grid, config);
   if (options.repeat > 1) {  // the run above was the warm-up
     std::vector<std::vector<StageTime>> runs;
+    runs.reserve(static_cast<std::size_t>(options.repeat));
     for (int i = 0; i < options.repeat; ++i) runs.push_back(segmentWith(method, grid, config).stages);
     result.stages = medianStages(runs);
   }
@@ -69,7 +71,8 @@ void run(const SegmentOptions& options) {
   for (const std::string& path : outputs) requireWritable(path);
   const Config config = options.method.config();
   const auto method = options.method.segmenter();
-  if (std::filesystem::path(options.input).extension() != ".bag") {
+  requireReadableFile(options.input);
+  if (!isBag(options.input)) {
     std::string note;
     const BeamGrid grid = readCloud(options.input, &note);
     if (!note.empty()) std::cerr << note << "\n";

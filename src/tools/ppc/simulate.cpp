@@ -5,6 +5,7 @@
 #include "patch_plane_clustering/sim/scanner.h"
 
 #include "files.h"
+#include "number_check.h"
 #include "output_bag.h"
 #include "simulated_bag.h"
 #include "subcommands.h"
@@ -129,14 +130,14 @@ void addSimulate(CLI::App& app) {
   sub->add_option("--scene", o->scene, "Scene")->check(CLI::IsMember(sim::sceneNames()))->capture_default_str();
   sub->add_option("--sensor", o->sensor, "Laser")->check(CLI::IsMember(sim::sensorNames()))->capture_default_str();
   sub->add_option("--noise", o->noise, "Factor on the data sheet's range noise")
-      ->check(CLI::Range(0.0, 1000.0))
+      ->check(numberIn(0.0, 1000.0))
       ->capture_default_str();
   auto* realistic = sub->add_flag("--realistic", o->realistic,
                                   "Add correlated noise, 1 cm grid, bias, bowed walls, mount and tilt errors");
   sub->add_flag("--exact", o->exact, "No error of any kind")->excludes(realistic);
   sub->add_option("--error", o->errors,
                   "Change one source of error, NAME=VALUE (metres, radians, shares; switches 0 or 1); can be repeated");
-  sub->add_option("--seed", o->seed, "Seed of scene and errors")->capture_default_str();
+  sub->add_option("--seed", o->seed, "Seed of scene and errors")->check(wholeUnsigned())->capture_default_str();
   sub->add_option("--lines", o->lines, "Lines a sweep")->check(CLI::Range(1, 100000))->capture_default_str();
   sub->add_option("--sweeps,--passes", o->sweeps, "Sweeps")->check(CLI::Range(1, 100000))->capture_default_str();
   sub->add_option("--motion", o->motion, "Motion")->check(CLI::IsMember({"nodding", "spinning"}))->capture_default_str();
@@ -144,11 +145,15 @@ void addSimulate(CLI::App& app) {
       ->check(CLI::IsMember({"roll", "pitch", "yaw"}))
       ->capture_default_str();
   sub->add_option("--amplitude", o->amplitude_deg, "Nodding: from the middle to a turning point [deg]")
-      ->check(CLI::Range(0.0, 180.0))
+      ->check(numberIn(0.0, 180.0))
       ->capture_default_str();
-  sub->add_option("--lever-arm", o->lever_arm, "Laser in the tilting frame: x y z [m]")->expected(3)->capture_default_str();
+  sub->add_option("--lever-arm", o->lever_arm, "Laser in the tilting frame: x y z [m]")
+      ->expected(3)
+      ->check(numberIn(-1000.0, 1000.0))
+      ->capture_default_str();
   sub->add_option("--mount-rpy", o->mount_rpy, "Rotation of the laser in the tilting frame: roll pitch yaw [rad]")
       ->expected(3)
+      ->check(numberIn(-6.3, 6.3))
       ->capture_default_str();
   sub->add_option("--bag", o->bag, "Bag to write: /scan, /joint_states (tilt_joint), /tf (tilt_base -> laser)");
   sub->add_option("--pcd", o->pcd, "Organised cloud to write (x y z, NaN = invalid); numbered if there are several sweeps");

@@ -4,13 +4,15 @@
 #include "patch_plane_clustering/ros/simulated_messages.h"
 #include "patch_plane_clustering/sim/scan_stream.h"
 
+#include <cstdint>
+
 namespace ppc {
 
 void writeSimulatedBag(const sim::Scanner& scanner, int passes, rosbag::Bag& bag) {
   const ros::Time start(1000.0);
   sim::ScanStream stream(scanner, 0);
   // One joint sample more than lines: a driver needs it to place the last beams.
-  int lines = passes * scanner.options().motion.lines_per_pass;
+  auto lines = std::int64_t{passes} * scanner.options().motion.lines_per_pass;
   for (bool last = false; !last;) {
     const sim::ScanEvent event = stream.next();
     const ros::Time stamp = start + ros::Duration(event.time);
