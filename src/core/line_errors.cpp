@@ -1,131 +1,195 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/line_errors.h"
 
+#include "patch_plane_clustering/core/line_differences.h"
+#include "patch_plane_clustering/core/line_misfit.h"
 #include "patch_plane_clustering/core/quantile.h"
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
-#include <vector>
+#include <numeric>
 
 namespace ppc {
 namespace {
 
 constexpr int kMinLines = 16;
-constexpr int kSamples = 160;  // beams of a line that are looked at
-constexpr int kMinSamples = 30;
-constexpr int kGlance = 3;  // every so many lines tell whether the others need to be looked at
+constexpr int kMinSamples = 30;  // of a line
+constexpr int kGlance = 3;       // every so many lines tell whether the others need to be looked at
+constexpr int kMaxGlances = 36;
+constexpr int kRounds = 3;      // of turning lines: each makes slopes better known
+constexpr int kDriftLines = 8;  // to either side: slower changes of tilt are left alone
 constexpr double kMadToSigma = 1.4826;
-constexpr double kMedianLoss = 1.2533;  // standard deviation of a median over that of a mean
-constexpr double kLeastShare = 0.5;     // of line errors, over the noise of single ranges
-constexpr double kLeastError = 0.001;   // [m]
-constexpr double kSignificance = 4.0;   // over what medians of noise show
-constexpr double kOutlier = 5.0;        // lines off by more, in standard deviations, lie on a crease of the scene
+// Where tilts come in steps, only the lines beside a step are off against their neighbours, so many tell how much:
+constexpr double kStepShare = 0.85;
+constexpr double kStepQuantile = 1.44;   // of that many absolute values of a normal distribution
+constexpr double kLeastShare = 0.5;      // of line errors, over the noise of single ranges
+constexpr double kLeastError = 0.001;    // [m]
+constexpr double kSignificance = 4.0;    // over what noise alone makes of a misfit
+constexpr double kOutlier = 5.0;         // lines off by more, in standard deviations, lie on a crease of the scene
+constexpr double kLeastDeviation = 0.1;  // of a turn, over those that there are: slopes are known that well
+constexpr double kMostLeft = 0.75;       // of what sloped beams are off, if turned lines are worth it
 
-double angleBetween(const BeamGrid& grid, int row_a, int row_b, int col) {
-  const Eigen::Vector3f a = grid.direction(grid.index(row_a, col)), b = grid.direction(grid.index(row_b, col));
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
+// One of the errors that lines may have.
+using Component = LineFit LineMisfit::*;
+constexpr Component kRange = &LineMisfit::range;
+constexpr Component kTurn = &LineMisfit::turn;
 
-// What a line is off against the two beside it.
-struct Misfit {
-  double before = 0.5, after = 0.5;  // weights of the two
-  double value = 0.0;                // median over its beams [m]
-  double spread = 0.0;               // standard deviation of single beams [m]
-  int samples = 0;
-};
-
-Misfit measureMisfit(const BeamGrid& grid, int row, std::vector<float>& scratch) {
-  Misfit misfit;
-  const double back = angleBetween(grid, row - 1, row, grid.cols / 2), on = angleBetween(grid, row, row + 1, grid.cols / 2);
-  if (back + on > 0.0) {
-    misfit.before = on / (back + on);
-    misfit.after = back / (back + on);
-  }
-  const auto before = static_cast<float>(misfit.before), after = static_cast<float>(misfit.after);
-  scratch.clear();
-  const int stride = std::max(1, grid.cols / kSamples);
-  for (int c = row % stride; c < grid.cols; c += stride) {
-    const int i = grid.index(row, c);
-    const int up = i - grid.cols, down = i + grid.cols;
-    // The weighted sum of two unit vectors is a little shorter than the one between them.
-    const float length =
-        std::sqrt(before * before + after * after + 2.0F * before * after * grid.direction(up).dot(grid.direction(down)));
-    const float predicted = length / (before / grid.range[up] + after / grid.range[down]);
-    const float e = grid.range[i] - predicted;
-    if (std::isfinite(e)) scratch.push_back(e);
-  }
-  misfit.samples = static_cast<int>(scratch.size());
-  if (misfit.samples < kMinSamples) return misfit;
-  misfit.value = median(scratch);
-  for (float& e : scratch) e = std::abs(e - static_cast<float>(misfit.value));
-  misfit.spread = kMadToSigma * median(scratch);
-  return misfit;
-}
-
-// Standard deviations over all lines [m].
+// Standard deviations over all lines, of one of the two errors [m or rad].
 struct LineNoise {
   double error = 0.0;   // of the errors of lines
   double misfit = 0.0;  // of the misfits that they cause
-  double median = 0.0;  // of what noise alone does to a misfit
+  double uneven = 0.0;  // of true tilts off the middle between those of the lines beside
   bool significant = false;
 };
 
-LineNoise measureLineNoise(const std::vector<Misfit>& misfits) {
-  std::vector<float> sizes, spreads;
-  for (const Misfit& m : misfits) {
-    if (m.samples < kMinSamples) continue;
-    sizes.push_back(static_cast<float>(std::abs(m.value)));
-    spreads.push_back(static_cast<float>(m.spread));
+LineNoise measureNoise(const std::vector<LineMisfit>& misfits, Component component) {
+  std::vector<double> sizes, spreads, deviations, slopes, uneven;
+  for (const LineMisfit& m : misfits) {
+    if ((m.*component).samples < kMinSamples) continue;
+    sizes.push_back(std::abs((m.*component).value));
+    deviations.push_back((m.*component).deviation);
+    spreads.push_back(m.spread);
+    slopes.push_back(m.slope);
+    uneven.push_back(std::abs(m.turn.value + m.between));
   }
   LineNoise noise;
   if (static_cast<int>(sizes.size()) < kMinLines / kGlance) return noise;
-  const double spread = median(spreads);
-  noise.misfit = kMadToSigma * median(sizes);
-  noise.median = kMedianLoss * spread / std::sqrt(static_cast<double>(kSamples));
+  const double spread = median(spreads), deviation = median(deviations);
+  noise.misfit = component == kRange ? kMadToSigma * median(sizes) : quantile(sizes, kStepShare) / kStepQuantile;
+  noise.uneven = std::max(deviation, kMadToSigma * median(uneven));
   // Half a neighbour's error on either side adds to a line's own: 1 + 1/4 + 1/4.
-  noise.error = std::sqrt(std::max(0.0, noise.misfit * noise.misfit - noise.median * noise.median) / 1.5);
-  noise.significant =
-      noise.error > std::max(kLeastError, kLeastShare * spread) && noise.misfit > kSignificance * noise.median;
+  noise.error = std::sqrt(std::max(0.0, noise.misfit * noise.misfit - deviation * deviation) / 1.5);
+  const double shown = component == kRange ? noise.error : noise.error * median(slopes);  // in ranges
+  noise.significant = shown > std::max(kLeastError, kLeastShare * spread) && noise.misfit > kSignificance * deviation;
   return noise;
+}
+
+std::vector<LineMisfit> measureMisfits(const GridLines& lines, LineErrorKind kind, int stride) {
+  std::vector<LineMisfit> misfits(static_cast<std::size_t>(lines.count()));
+  std::vector<LineSample> scratch;
+  for (int n = 0; n * stride < lines.count(); ++n) {
+    const int k = n * stride + 5 * n % stride;  // never in step with the steps of an encoder
+    if (k > 0 && k + 1 < lines.count()) misfits[k] = measureLineMisfit(lines, k, kind, scratch);
+  }
+  return misfits;
+}
+
+std::vector<double> solveErrors(const std::vector<LineMisfit>& misfits, Component component, const LineNoise& noise) {
+  const int count = static_cast<int>(misfits.size());
+  std::vector<LineDifference> differences;
+  for (int k = 1; k + 1 < count; ++k) {
+    const LineMisfit& m = misfits[k];
+    const LineFit& fit = m.*component;
+    // The motor runs evenly, more or less.
+    if (component == kTurn) differences.push_back({k, m.before, m.after, -m.between, noise.uneven * noise.uneven});
+    if (fit.samples < kMinSamples || std::abs(fit.value) > kOutlier * noise.misfit) continue;
+    const double least = component == kTurn ? kLeastDeviation * noise.misfit : 0.0;
+    differences.push_back({k, m.before, m.after, fit.value, fit.deviation * fit.deviation + least * least});
+  }
+  return solveDifferences(differences, count, noise.error, component == kTurn);
+}
+
+// Takes out the mean over the lines around.
+std::vector<double> withoutDrift(const std::vector<double>& errors) {
+  const int count = static_cast<int>(errors.size());
+  std::vector<double> sums(errors.size() + 1, 0.0), quick(errors.size());
+  std::partial_sum(errors.begin(), errors.end(), sums.begin() + 1);
+  for (int k = 0; k < count; ++k) {
+    const int reach = std::min({kDriftLines, k, count - 1 - k});  // even on both sides
+    quick[k] = errors[k] - (sums[k + reach + 1] - sums[k - reach]) / (2 * reach + 1);
+  }
+  return quick;
+}
+
+// Adds to the misfits of corrected lines what the errors that were taken out had made of them.
+void addBack(const LineErrors& taken, std::vector<LineMisfit>& misfits) {
+  const auto made = [](const std::vector<double>& errors, const LineMisfit& m, std::size_t k) {
+    return errors.empty() ? 0.0 : errors[k] - m.before * errors[k - 1] - m.after * errors[k + 1];
+  };
+  for (std::size_t k = 1; k + 1 < misfits.size(); ++k) {
+    misfits[k].range.value += made(taken.range, misfits[k], k);
+    const double turn = made(taken.turn, misfits[k], k);
+    misfits[k].turn.value += turn;
+    misfits[k].between -= turn;
+  }
+}
+
+LineErrors errorsOf(const BeamGrid& grid, bool in_columns, LineErrorKind kind) {
+  LineErrors errors;
+  errors.in_columns = in_columns;
+  BeamGrid corrected;
+  for (int round = 0; round < (kind == LineErrorKind::kRange ? 1 : kRounds); ++round) {
+    if (round > 0) removeLineErrors(errors, grid, corrected);
+    std::vector<LineMisfit> misfits = measureMisfits(GridLines(round > 0 ? corrected : grid, in_columns), kind, 1);
+    if (round > 0) addBack(errors, misfits);
+    if (kind != LineErrorKind::kTurn) {
+      const LineNoise noise = measureNoise(misfits, kRange);
+      if (!noise.significant) return errors;
+      errors.range = solveErrors(misfits, kRange, noise);
+    }
+    if (kind != LineErrorKind::kRange) {
+      const LineNoise noise = measureNoise(misfits, kTurn);
+      if (!noise.significant) return errors;
+      errors.turn = withoutDrift(solveErrors(misfits, kTurn, noise));
+    }
+  }
+  return errors;
+}
+
+// What sloped beams are off without these errors, in those lines where they are off most [m].
+double leftOf(const LineErrors& errors, const BeamGrid& grid, int stride) {
+  BeamGrid corrected;
+  if (!errors.empty()) removeLineErrors(errors, grid, corrected);
+  const GridLines lines(errors.empty() ? grid : corrected, errors.in_columns);
+  std::vector<double> left;
+  for (const LineMisfit& m : measureMisfits(lines, LineErrorKind::kBoth, stride)) {
+    if (m.turn.samples >= kMinSamples) left.push_back(m.off);
+  }
+  return left.empty() ? 0.0 : quantile(left, kStepShare);
+}
+
+LineErrors estimateAlong(const BeamGrid& grid, bool in_columns) {
+  const GridLines lines(grid, in_columns);
+  LineErrors ranges;
+  ranges.in_columns = in_columns;
+  if (lines.count() < kMinLines) return ranges;
+  const int stride = std::max(kGlance, lines.count() / kMaxGlances);
+  if (measureNoise(measureMisfits(lines, LineErrorKind::kRange, stride), kRange).significant) {
+    ranges = errorsOf(grid, in_columns, LineErrorKind::kRange);
+  }
+  const std::vector<LineMisfit> both = measureMisfits(lines, LineErrorKind::kBoth, stride);
+  if (!measureNoise(both, kTurn).significant) return ranges;
+  const bool in_range_too = measureNoise(both, kRange).significant;
+  const LineErrors turns = errorsOf(grid, in_columns, in_range_too ? LineErrorKind::kBoth : LineErrorKind::kTurn);
+  if (turns.turn.empty()) return ranges;
+  return leftOf(turns, grid, stride) < kMostLeft * leftOf(ranges, grid, stride) ? turns : ranges;
 }
 
 }  // namespace
 
-std::vector<float> estimateLineErrors(const BeamGrid& grid) {
-  if (grid.rows < kMinLines) return {};
-  std::vector<Misfit> misfits(static_cast<std::size_t>(grid.rows));
-  std::vector<float> scratch;
-  for (int r = 1; r + 1 < grid.rows; r += kGlance) misfits[r] = measureMisfit(grid, r, scratch);
-  if (!measureLineNoise(misfits).significant) return {};
-  for (int r = 1; r + 1 < grid.rows; ++r) {
-    if (misfits[r].samples == 0) misfits[r] = measureMisfit(grid, r, scratch);
-  }
-  const LineNoise noise = measureLineNoise(misfits);
+LineErrors estimateLineErrors(const BeamGrid& grid) {
+  LineErrors errors = estimateAlong(grid, false);
+  return errors.empty() ? estimateAlong(grid, true) : errors;
+}
 
-  // Least squares: what each misfit leaves unexplained is small, and so is each error by itself.
-  std::vector<Eigen::Triplet<double>> entries;
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(grid.rows);
-  const double prior = 1.0 / std::max(1e-12, noise.error * noise.error);
-  for (int r = 0; r < grid.rows; ++r) {
-    entries.emplace_back(r, r, prior);
-    const Misfit& m = misfits[r];
-    if (m.samples < kMinSamples || std::abs(m.value) > kOutlier * noise.misfit) continue;
-    const double deviation = std::max(noise.median, kMedianLoss * m.spread / std::sqrt(static_cast<double>(m.samples)));
-    const double weight = 1.0 / std::max(1e-12, deviation * deviation);
-    const int rows[3] = {r - 1, r, r + 1};
-    const double factors[3] = {-m.before, 1.0, -m.after};
-    for (int i = 0; i < 3; ++i) {
-      right[rows[i]] += weight * factors[i] * m.value;
-      for (int j = 0; j < 3; ++j) entries.emplace_back(rows[i], rows[j], weight * factors[i] * factors[j]);
+void removeLineErrors(const LineErrors& errors, const BeamGrid& grid, BeamGrid& out) {
+  out = grid;
+  const GridLines lines(grid, errors.in_columns);
+  for (int k = 0; k < lines.count(); ++k) {
+    const auto range = static_cast<float>(errors.range.empty() ? 0.0 : errors.range[k]);
+    const GridLines::Span span = lines.spanAround(k);
+    const bool turns = !errors.turn.empty() && span.angle > 0.0;
+    const auto turn = static_cast<float>(turns ? errors.turn[k] / span.angle : 0.0);
+    for (int beam = 0; beam < lines.beams(); ++beam) {
+      const int i = lines.pixel(k, beam);
+      out.range[i] -= range;
+      if (!turns) continue;
+      const Eigen::Vector3f direction = (grid.direction(i) + turn * lines.chord(span, beam)).normalized();
+      out.dir_x[i] = direction.x();
+      out.dir_y[i] = direction.y();
+      out.dir_z[i] = direction.z();
     }
   }
-  Eigen::SparseMatrix<double> normal(grid.rows, grid.rows);
-  normal.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::VectorXd solved = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(normal).solve(right);
-  std::vector<float> errors(static_cast<std::size_t>(grid.rows));
-  for (int r = 0; r < grid.rows; ++r) errors[r] = static_cast<float>(solved[r]);
-  return errors;
 }
 
 }  // namespace ppc

@@ -72,11 +72,8 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vecto
 LabelImage clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMemory& memory,
                           std::vector<StageTime>* stages) {
   StageTimer timer(stages);
-  const std::vector<float> line_errors = config.noise_aware ? estimateLineErrors(measured) : std::vector<float>();
-  if (!line_errors.empty()) {
-    memory.corrected = measured;
-    for (int i = 0; i < measured.size(); ++i) memory.corrected.range[i] -= line_errors[i / measured.cols];
-  }
+  const LineErrors line_errors = config.noise_aware ? estimateLineErrors(measured) : LineErrors();
+  if (!line_errors.empty()) removeLineErrors(line_errors, measured, memory.corrected);
   const BeamGrid& grid = line_errors.empty() ? measured : memory.corrected;
   PatchGrid& patches = memory.patches;
   memory.steps = config.equal_angle ? measureSteps(grid) : AngularSteps();

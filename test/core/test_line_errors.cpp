@@ -6,6 +6,11 @@
 #include "analytic_scenes.h"
 
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
 
 namespace ppc {
 namespace {
@@ -42,11 +47,13 @@ double rms(const std::vector<double>& values) {
 TEST(EstimateLineErrors, FindsWhatTheBeamsOfALineShare) {
   BeamGrid grid = room();
   const std::vector<double> truth = addLineErrors(0.02, grid);
-  const std::vector<float> found = estimateLineErrors(grid);
-  ASSERT_EQ(found.size(), truth.size());
+  const LineErrors found = estimateLineErrors(grid);
+  ASSERT_EQ(found.range.size(), truth.size());
+  EXPECT_TRUE(found.turn.empty());
+  EXPECT_FALSE(found.in_columns);
   std::vector<double> left, jumps;
   for (std::size_t r = 0; r < truth.size(); ++r) {
-    left.push_back(truth[r] - found[r]);
+    left.push_back(truth[r] - found.range[r]);
     if (r > 0) jumps.push_back(left[r] - left[r - 1]);
   }
   EXPECT_NEAR(rms(truth), 0.02, 0.003);
@@ -54,10 +61,111 @@ TEST(EstimateLineErrors, FindsWhatTheBeamsOfALineShare) {
   EXPECT_LT(rms(jumps), 0.003);  // steps from line to line do not
 }
 
+void setDirection(const Eigen::Vector3f& direction, int i, BeamGrid& grid) {
+  grid.dir_x[i] = direction.x();
+  grid.dir_y[i] = direction.y();
+  grid.dir_z[i] = direction.z();
+}
+
+// An encoder of coarse steps: what it tells, less the truth, is returned with its sign changed.
+std::vector<double> addTiltSteps(double step, BeamGrid& grid) {
+  std::vector<double> errors;
+  for (int r = 0; r < grid.rows; ++r) {
+    const double tilt = (r - 0.5 * (grid.rows - 1)) * kStep, said = step * std::round(tilt / step);
+    errors.push_back(tilt - said);
+    const Eigen::AngleAxisf turn(static_cast<float>(said - tilt), Eigen::Vector3f::UnitY());
+    for (int c = 0; c < grid.cols; ++c) setDirection(turn * grid.direction(grid.index(r, c)), grid.index(r, c), grid);
+  }
+  return errors;
+}
+
+// A floor and a ceiling ahead, seen at a grazing angle, and a wall at their end.
+BeamGrid hall() {
+  BeamGrid grid = forwardBeams(kRows, kCols, kStep);
+  scan({wall({-1.0, 0.1, 0.0}, -6.0), wall({0.0, 0.0, 1.0}, -0.7), wall({0.0, 0.0, -1.0}, -1.1)}, grid);
+  addNoise(grid, kSigma);
+  return grid;
+}
+
+BeamGrid transposed(const BeamGrid& grid) {
+  BeamGrid out = forwardBeams(grid.cols, grid.rows, kStep);
+  for (int r = 0; r < grid.rows; ++r) {
+    for (int c = 0; c < grid.cols; ++c) {
+      const int i = grid.index(r, c), o = out.index(c, r);
+      out.range[o] = grid.range[i];
+      setDirection(grid.direction(i), o, out);
+    }
+  }
+  return out;
+}
+
+// Root mean square of what is left of the errors of tilt from line to line.
+double jumpsLeft(const std::vector<double>& truth, const std::vector<double>& found) {
+  std::vector<double> jumps;
+  for (std::size_t r = 1; r < truth.size(); ++r) {
+    jumps.push_back(truth[r] - found[r] - truth[r - 1] + found[r - 1]);
+  }
+  return rms(jumps);
+}
+
+TEST(EstimateLineErrors, FindsStepsOfTheTilt) {
+  for (const double lines_a_step : {2.7, 5.0}) {
+    BeamGrid grid = hall();
+    const std::vector<double> truth = addTiltSteps(lines_a_step * kStep, grid);
+    const LineErrors found = estimateLineErrors(grid);
+    ASSERT_EQ(found.turn.size(), truth.size()) << lines_a_step;
+    EXPECT_TRUE(found.range.empty());
+    EXPECT_FALSE(found.in_columns);
+    EXPECT_GT(rms(truth), 0.003);
+    EXPECT_LT(jumpsLeft(truth, found.turn), 0.15 * jumpsLeft(truth, std::vector<double>(truth.size(), 0.0))) << lines_a_step;
+  }
+}
+
+TEST(EstimateLineErrors, FindsThemWhereLinesAreColumns) {
+  BeamGrid grid = hall();
+  const std::vector<double> truth = addTiltSteps(2.7 * kStep, grid);
+  const LineErrors found = estimateLineErrors(transposed(grid));
+  ASSERT_EQ(found.turn.size(), truth.size());
+  EXPECT_TRUE(found.in_columns);
+  EXPECT_LT(jumpsLeft(truth, found.turn), 0.15 * jumpsLeft(truth, std::vector<double>(truth.size(), 0.0)));
+}
+
+TEST(EstimateLineErrors, TurnsKeepFacesWhole) {
+  BeamGrid grid = hall();
+  addTiltSteps(5.0 * kStep, grid);
+  const Segmentation found = segment(grid, Config());
+  ASSERT_EQ(found.regions.size(), 3U);
+  EXPECT_GT(found.regions[0].points + found.regions[1].points + found.regions[2].points, 0.95 * kRows * kCols);
+  Config naive;
+  naive.noise_aware = false;
+  EXPECT_NE(segment(grid, naive).regions.size(), 3U);
+}
+
+TEST(RemoveLineErrors, PutsBeamsWhereTheyPointed) {
+  const BeamGrid before = hall();
+  BeamGrid grid = before;
+  LineErrors errors;
+  errors.turn = addTiltSteps(2.7 * kStep, grid);
+  errors.range.assign(kRows, 0.03);
+  for (float& range : grid.range) range += 0.03F;
+  BeamGrid after;
+  removeLineErrors(errors, grid, after);
+  double before_removal = 0.0, left = 0.0;
+  for (int i = 0; i < grid.size(); ++i) {
+    ASSERT_NEAR(after.range[i], before.range[i], 1e-5);
+    ASSERT_NEAR(after.direction(i).norm(), 1.0, 1e-5);
+    before_removal = std::max<double>(before_removal, (grid.direction(i) - before.direction(i)).norm());
+    left = std::max<double>(left, (after.direction(i) - before.direction(i)).norm());
+  }
+  EXPECT_GT(before_removal, 0.005);
+  EXPECT_LT(left, 0.1 * before_removal);
+}
+
 TEST(EstimateLineErrors, FindsNoneInNoiseHoweverStrong) {
   EXPECT_TRUE(estimateLineErrors(room()).empty());
   EXPECT_TRUE(estimateLineErrors(room(0.04)).empty());
   EXPECT_TRUE(estimateLineErrors(room(0.0)).empty());
+  EXPECT_TRUE(estimateLineErrors(hall()).empty());
 }
 
 TEST(EstimateLineErrors, LeavesSmallOnesAlone) {

@@ -7,12 +7,27 @@
 
 namespace ppc {
 
-/// @brief Range errors that all beams of a line share, one for each row of a grid [m]; empty if there are none to speak of.
+/// @brief Errors that all beams of a scan line share.
+struct LineErrors {
+  bool in_columns = false;    ///< lines are the columns of the grid, not its rows
+  std::vector<double> range;  ///< one for each line: ranges are too long by this [m]; empty: none to speak of
+  std::vector<double> turn;   ///< one for each line: the beams truly point this much further on towards the next lines than
+                              ///< their directions say [rad]; empty: none to speak of
+
+  bool empty() const { return range.empty() && turn.empty(); }
+};
+
+/// @brief Errors of range and of tilt that each line has for itself: a range that drifts, an encoder of coarse steps, play
+/// in the gears.
 ///
-/// On a plane inverse range is linear in the direction of the beam, so each line is predicted by the two beside it; the
-/// median misfit of its beams is what the line is off. From these differences the errors follow by least squares, but for
-/// slow changes from line to line, which cannot be told from the shape of the scene. Errors smaller than the noise of single
-/// ranges do no harm and are left alone; so are images whose rows are not lines (range cameras).
-std::vector<float> estimateLineErrors(const BeamGrid& grid);
+/// On a plane inverse range is linear in the direction of the beam, so each line is predicted by the two beside it. What its
+/// beams are off follows a line's error of range alike, and one of tilt in proportion to the slope of range over tilt;
+/// both are fitted robustly. From these differences the errors follow by least squares, but for slow changes from line to
+/// line, which cannot be told from the shape of the scene. Errors smaller than the noise of single ranges do no harm and are
+/// left alone; so are images that were not taken line by line (range cameras).
+LineErrors estimateLineErrors(const BeamGrid& grid);
+
+/// @brief Takes the errors out of the ranges, and turns the beams to where they pointed. @param out overwritten.
+void removeLineErrors(const LineErrors& errors, const BeamGrid& grid, BeamGrid& out);
 
 }  // namespace ppc

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "patch_plane_clustering/core/grid_lines.h"
+
+#include <vector>
+
+namespace ppc {
+
+/// @brief Which errors the beams of a line are taken to share.
+enum class LineErrorKind { kRange, kTurn, kBoth };
+
+/// @brief One of them.
+struct LineFit {
+  double value = 0.0;      ///< [m or rad]
+  double deviation = 0.0;  ///< standard deviation [m or rad]
+  int samples = 0;         ///< beams that tell of it
+};
+
+/// @brief What a line is off against the two beside it: its own error less the weighted ones of theirs.
+struct LineMisfit {
+  double before = 0.5, after = 0.5;  ///< weights of the two
+  LineFit range;                     ///< error of all ranges
+  LineFit turn;                      ///< error of tilt: the line lies this much nearer to the next than is said
+  double between = 0.0;              ///< what it is said to be off the middle between the two, towards the next [rad]
+  double spread = 0.0;               ///< standard deviation of single beams about the fit [m]
+  double slope = 0.0;                ///< change of range with tilt, the middle one of the beams that tell of it [m/rad]
+  double off = 0.0;                  ///< what these are off as their directions stand, the middle one [m]
+};
+
+/// @brief A beam against the two beside it in the lines before and after.
+struct LineSample {
+  float error;    ///< range less what a plane through the two predicts half-way between them [m]
+  float slope;    ///< change of range with tilt; 0 if it is hardly more than noise [m/rad]
+  float between;  ///< what the beam is said to be off the middle between the two, towards the next line [rad]
+};
+
+/// @brief Fits what a line is off, robustly: on a plane inverse range is linear in the direction of the beam, so each beam
+/// is predicted by the two beside it. An error of range moves all beams alike, one of tilt in proportion to the slope.
+/// @param line neither the first nor the last. @param scratch overwritten.
+LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kind, std::vector<LineSample>& scratch);
+
+}  // namespace ppc

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/line_misfit.h"
+
+#include "patch_plane_clustering/core/quantile.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace ppc {
+namespace {
+
+constexpr int kSamples = 160;  // beams of a line that are looked at
+constexpr int kRounds = 3;     // of fitting one error given the other
+constexpr double kMadToSigma = 1.4826;
+constexpr double kMedianLoss = 1.2533;    // standard deviation of a median over that of a mean
+constexpr float kLeastMotion = 0.1F;      // of a beam, over that of the beam that moves most
+constexpr double kClearSlope = 3.0;       // over its own noise: a smaller one would explain noise by turns without end
+constexpr float kMaxRelativeBend = 0.5F;  // of the surface over the lines that a slope is taken from, over the slope,
+constexpr float kMaxFlatBend = 0.02F;     // or over the range
+
+// Change of range for each radian of tilt; NaN where the lines around do not lie on one surface.
+float slopeAt(const GridLines& lines, int line, int beam, const GridLines::Span& span) {
+  const auto inverseRange = [&](int k) { return 1.0F / lines.grid().range[lines.pixel(k, beam)]; };
+  const float first = inverseRange(span.before), here = inverseRange(line), last = inverseRange(span.after);
+  const auto share = static_cast<float>(line - span.before) / static_cast<float>(span.after - span.before);
+  const float difference = last - first, bend = std::abs(first + share * difference - here);
+  const bool one_surface = bend < kMaxRelativeBend * std::abs(difference) || bend < kMaxFlatBend * here;
+  if (!one_surface) return std::numeric_limits<float>::quiet_NaN();
+  return -difference / (here * here * static_cast<float>(span.angle));
+}
+
+float betweenAt(const GridLines& lines, int line, int beam, const GridLines::Span& span) {
+  const Eigen::Vector3f chord = lines.chord(span, beam);
+  const auto angle = static_cast<float>(span.angle);
+  if (!(chord.norm() > kLeastMotion * angle)) return 0.0F;  // near the axis
+  const Eigen::Vector3f middle = 0.5F * (lines.direction(line - 1, beam) + lines.direction(line + 1, beam));
+  return angle * chord.dot(lines.direction(line, beam) - middle) / chord.squaredNorm();
+}
+
+// Median of a number of each sample. @param scratch overwritten.
+template <typename Number>
+double medianOf(const std::vector<LineSample>& samples, std::vector<float>& scratch, Number&& number) {
+  scratch.clear();
+  for (const LineSample& s : samples) scratch.push_back(number(s));
+  return median(scratch);
+}
+
+// Noise of single beams about a fit.
+double spreadOf(const std::vector<LineSample>& samples, double range, double turn, std::vector<float>& scratch) {
+  return kMadToSigma * medianOf(samples, scratch, [&](const LineSample& s) {
+           return std::abs(s.error - static_cast<float>(range + turn * s.slope));
+         });
+}
+
+double fitRange(const std::vector<LineSample>& samples, double turn, std::vector<float>& scratch) {
+  return medianOf(samples, scratch, [&](const LineSample& s) { return s.error - static_cast<float>(turn) * s.slope; });
+}
+
+// The turn that makes the sum of the absolute errors least: a median of quotients, weighted with the slopes.
+double fitTurn(const std::vector<LineSample>& samples, double range, std::vector<std::pair<float, float>>& scratch) {
+  scratch.clear();
+  float total = 0.0F;
+  for (const LineSample& s : samples) {
+    const float weight = std::abs(s.slope);
+    if (!(weight > 0.0F)) continue;
+    scratch.emplace_back((s.error - static_cast<float>(range)) / s.slope, weight);
+    total += weight;
+  }
+  std::sort(scratch.begin(), scratch.end());
+  float below = 0.0F;
+  for (const auto& [turn, weight] : scratch) {
+    below += weight;
+    if (2.0F * below >= total) return turn;
+  }
+  return 0.0;
+}
+
+void clearNoisySlopes(double angle, std::vector<LineSample>& samples, std::vector<float>& scratch) {
+  const double spread = spreadOf(samples, fitRange(samples, 0.0, scratch), 0.0, scratch);
+  const auto least = static_cast<float>(kClearSlope * std::sqrt(2.0) * spread / angle);
+  for (LineSample& s : samples) {
+    if (std::abs(s.slope) < least) s.slope = 0.0F;
+  }
+}
+
+// Weights with which the two lines beside predict a line that need not lie in the middle.
+void weighNeighbours(const GridLines& lines, int line, LineMisfit& misfit) {
+  const auto angle = [&](int k) {
+    const int beam = lines.beams() / 2;
+    const Eigen::Vector3f a = lines.direction(k, beam), b = lines.direction(k + 1, beam);
+    return static_cast<double>(std::atan2(a.cross(b).norm(), a.dot(b)));
+  };
+  const double back = angle(line - 1), on = angle(line);
+  if (!(back + on > 0.0)) return;
+  misfit.before = on / (back + on);
+  misfit.after = back / (back + on);
+}
+
+void sampleLine(const GridLines& lines, int line, const GridLines::Span& span, bool turns, const LineMisfit& misfit,
+                std::vector<LineSample>& samples) {
+  const BeamGrid& grid = lines.grid();
+  const auto before = static_cast<float>(misfit.before), after = static_cast<float>(misfit.after);
+  samples.clear();
+  const int stride = std::max(1, lines.beams() / kSamples);
+  for (int beam = line % stride; beam < lines.beams(); beam += stride) {
+    const int i = lines.pixel(line, beam), back = i - lines.lineStep(), on = i + lines.lineStep();
+    // The weighted sum of two unit vectors is a little shorter than the one between them.
+    const float length =
+        std::sqrt(before * before + after * after + 2.0F * before * after * grid.direction(back).dot(grid.direction(on)));
+    const float predicted = length / (before / grid.range[back] + after / grid.range[on]);
+    const float error = grid.range[i] - predicted;
+    const float slope = turns ? slopeAt(lines, line, beam, span) : 0.0F;
+    if (!std::isfinite(error) || !std::isfinite(slope)) continue;
+    samples.push_back({error, slope, turns ? betweenAt(lines, line, beam, span) : 0.0F});
+  }
+}
+
+}  // namespace
+
+LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kind, std::vector<LineSample>& samples) {
+  const bool turns = kind != LineErrorKind::kRange, ranges = kind != LineErrorKind::kTurn;
+  LineMisfit misfit;
+  const GridLines::Span span = lines.spanAround(line);
+  if (turns && !(span.angle > 0.0)) return misfit;
+  if (!turns) weighNeighbours(lines, line, misfit);  // else the fit itself tells where the line lies between the two
+  sampleLine(lines, line, span, turns, misfit, samples);
+  misfit.range.samples = static_cast<int>(samples.size());
+  if (samples.empty()) return misfit;
+
+  std::vector<float> scratch;
+  std::vector<std::pair<float, float>> turned;
+  if (turns) clearNoisySlopes(span.angle, samples, scratch);
+  double range = 0.0, turn = 0.0;  // the turn against the middle between the two
+  for (int round = 0; round < (turns && ranges ? kRounds : 1); ++round) {
+    if (turns) turn = fitTurn(samples, range, turned);
+    if (ranges) range = fitRange(samples, turn, scratch);
+  }
+  misfit.spread = spreadOf(samples, range, turn, scratch);
+  if (turns) misfit.between = medianOf(samples, scratch, [](const LineSample& s) { return s.between; });
+  misfit.range.value = range;
+  misfit.turn.value = turn - misfit.between;
+
+  // Sums of the normal equations of range and turn.
+  double ones = 0.0, sums = 0.0, squares = 0.0;
+  std::vector<float> slopes, off;
+  for (const LineSample& s : samples) {
+    ones += 1.0;
+    if (s.slope == 0.0F) continue;
+    sums += s.slope;
+    squares += static_cast<double>(s.slope) * s.slope;
+    slopes.push_back(std::abs(s.slope));
+    off.push_back(std::abs(s.error - s.slope * s.between));
+  }
+  const double shared = turns && ranges ? sums * sums : 0.0;
+  const double deviation = std::max(1e-6, kMedianLoss * misfit.spread);
+  const auto of = [&](double sum, double other) {
+    const double information = sum - (shared > 0.0 ? shared / other : 0.0);
+    return information > 0.0 ? deviation / std::sqrt(information) : std::numeric_limits<double>::infinity();
+  };
+  misfit.range.deviation = of(ones, squares);
+  misfit.turn.deviation = of(squares, ones);
+  misfit.turn.samples = static_cast<int>(slopes.size());
+  if (slopes.empty()) return misfit;
+  misfit.slope = median(slopes);
+  misfit.off = median(off);
+  return misfit;
+}
+
+}  // namespace ppc
