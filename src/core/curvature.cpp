@@ -181,16 +181,18 @@ std::set<std::pair<std::int32_t, std::int32_t>> touchingLabels(const LabelImage&
     pairs.insert(pair);
   };
   for (int r = 0; r < labels.rows; ++r) {
+    // Rows of a region are long: eight pixels at a time that differ neither from the next nor from those below.
+    const std::int32_t* const row = labels.labels.data() + static_cast<std::size_t>(r) * labels.cols;
+    const std::int32_t* const below = r + 1 < labels.rows ? row + labels.cols : row;
     for (int c = 0; c < labels.cols; ++c) {
-      const std::size_t i = static_cast<std::size_t>(r) * labels.cols + c;
-      const std::int32_t* at = labels.labels.data() + i;
-      if (r + 1 < labels.rows && c + kLanes < labels.cols) {  // four pixels inside of a region
-        const auto here = loadLanes<LaneMask>(at);
-        if (!anyLane((here != loadLanes<LaneMask>(at + 1)) | (here != loadLanes<LaneMask>(at + labels.cols)))) {
-          c += kLanes - 1;
-          continue;
-        }
+      for (; c + 2 * kLanes < labels.cols; c += 2 * kLanes) {
+        const auto a = loadLanes<LaneMask>(row + c), b = loadLanes<LaneMask>(row + c + kLanes);
+        const LaneMask right = (a != loadLanes<LaneMask>(row + c + 1)) | (b != loadLanes<LaneMask>(row + c + 1 + kLanes));
+        const LaneMask down = (a != loadLanes<LaneMask>(below + c)) | (b != loadLanes<LaneMask>(below + c + kLanes));
+        if (anyLane(right | down)) break;
       }
+      const std::int32_t* const at = row + c;
+      const std::size_t i = static_cast<std::size_t>(at - labels.labels.data());
       const std::int32_t label = *at;
       if (label == 0) continue;
       // Where the next pixel has the same label, it finds what lies beyond.
@@ -260,10 +262,10 @@ double misfit(const Plane& plane, const SampledRegion& region) {
 }
 
 // Samples of every label of at least three points; index = label.
-std::vector<SampledRegion> sampleRegions(const BeamGrid& grid, const LabelImage& labels, const NoiseModel& noise,
+std::vector<SampledRegion> sampleRegions(const BeamGrid& grid, const std::vector<LabelRun>& runs, const NoiseModel& noise,
                                          int threads) {
-  std::vector<int> count(static_cast<std::size_t>(highestLabel(labels)) + 1, 0);
-  forEachRun(labels, [&](std::int32_t label, int begin, int end) { count[label] += end - begin; });
+  std::vector<int> count(static_cast<std::size_t>(highestLabel(runs)) + 1, 0);
+  for (const LabelRun& run : runs) count[run.label] += run.end - run.begin;
   const auto strideOf = [&](std::size_t label) { return std::max(1, count[label] / kMaxSamples); };
   std::vector<int> begin(count.size() + 1, 0);  // of each label's samples
   for (std::size_t label = 0; label < count.size(); ++label) {
@@ -272,14 +274,14 @@ std::vector<SampledRegion> sampleRegions(const BeamGrid& grid, const LabelImage&
   std::vector<int> pixels(static_cast<std::size_t>(begin.back()));
   std::vector<int> end = begin;
   std::vector<int> next(count.size(), 0);  // pixels of the label until the next sample
-  forEachRun(labels, [&](std::int32_t label, int from, int to) {
-    const int stride = strideOf(label);
-    int i = from + next[label];
-    for (; i < to; i += stride) {
-      if (grid.valid(i)) pixels[end[label]++] = i;
+  for (const LabelRun& run : runs) {
+    const int stride = strideOf(run.label);
+    int i = run.begin + next[run.label];
+    for (; i < run.end; i += stride) {
+      if (grid.valid(i)) pixels[end[run.label]++] = i;
     }
-    next[label] = i - to;
-  });
+    next[run.label] = i - run.end;
+  }
   std::vector<SampledRegion> regions(count.size());
   forEachRange(threads, static_cast<int>(count.size()), [&](int first, int last) {
     SampledBeams beams;
@@ -299,13 +301,14 @@ std::vector<SampledRegion> sampleRegions(const BeamGrid& grid, const LabelImage&
 
 std::vector<Bend> measureBends(const BeamGrid& grid, const LabelImage& labels, const NoiseModel& noise) {
   std::vector<Bend> bends;
-  for (const SampledRegion& region : sampleRegions(grid, labels, noise, 1)) bends.push_back(region.bend);
+  for (const SampledRegion& region : sampleRegions(grid, labelRuns(labels), noise, 1)) bends.push_back(region.bend);
   return bends;
 }
 
 void dropCurvedRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double max_turn,
                        LabelImage& labels, int threads) {
-  const std::vector<SampledRegion> regions = sampleRegions(grid, labels, noise, threads);
+  const std::vector<LabelRun> runs = labelRuns(labels);
+  const std::vector<SampledRegion> regions = sampleRegions(grid, runs, noise, threads);
   std::vector<bool> curved(regions.size(), false), weak(regions.size(), false);
   for (std::size_t label = 1; label < regions.size(); ++label) {
     const Bend& bend = regions[label].bend;
@@ -343,7 +346,7 @@ void dropCurvedRegions(const BeamGrid& grid, const NoiseModel& noise, const Copl
       renamed[strip] = host;
     }
   }
-  renameLabels(renamed, labels);
+  renameLabels(renamed, runs, labels);
 }
 
 }  // namespace ppc

@@ -362,7 +362,7 @@ void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const Coplanar
     fresh = changed;
   }
   rename(names, shares);
-  renameLabels(names, labels);
+  renameLabels(names, labelRuns(labels), labels);
 }
 
 }  // namespace ppc

@@ -17,7 +17,8 @@ namespace {
 
 constexpr float kMinCosine = 0.02F;  // of incidence: the residual along a beam says nothing about a plane seen edge-on
 
-constexpr int kBlock = 64;  // pixels summed in single precision about a point of their own
+constexpr int kBlock = 64;      // pixels summed in single precision about a point of their own
+constexpr int kBeamBlocks = 8;  // blocks whose sums along the beams are kept in single precision
 
 // Sums of the points of a label about its first point, so that they keep their digits far from the sensor.
 struct PointSums {
@@ -119,12 +120,32 @@ struct BeamSums {
   int n = 0;
 };
 
-// Adds the valid pixels [begin, end), at most kBlock of them.
-void addBeams(const BeamGrid& grid, int begin, int end, const PlanarRegion& region, BeamSums& s) {
-  const Eigen::Vector3f n = region.plane.normal.cast<float>(), center = region.centroid.cast<float>();
-  const Eigen::Vector3f t1 = s.tangent1.cast<float>(), t2 = s.tangent2.cast<float>();
+// The same of some hundred pixels, in lanes.
+struct BeamLaneSums {
   Lanes aa = {}, ab = {}, ac = {}, bb = {}, bc = {}, cc = {}, ra = {}, rb = {}, rc = {}, squares = {}, across = {};
-  LaneMask counted = {};
+  LaneMask n = {};
+
+  void addTo(BeamSums& s) const {
+    s.aa += sumLanes(aa);
+    s.ab += sumLanes(ab);
+    s.ac += sumLanes(ac);
+    s.bb += sumLanes(bb);
+    s.bc += sumLanes(bc);
+    s.cc += sumLanes(cc);
+    s.ra += sumLanes(ra);
+    s.rb += sumLanes(rb);
+    s.rc += sumLanes(rc);
+    s.squares += sumLanes(squares);
+    s.across += sumLanes(across);
+    s.n += countLanes(n);
+  }
+};
+
+// Adds the valid pixels [begin, end).
+void addBeams(const BeamGrid& grid, int begin, int end, const PlanarRegion& region, const Eigen::Vector3f& t1,
+              const Eigen::Vector3f& t2, BeamLaneSums& sums) {
+  const Eigen::Vector3f n = region.plane.normal.cast<float>(), center = region.centroid.cast<float>();
+  BeamLaneSums s = sums;
   for (int i = begin; i < end; i += kLanes) {
     const BeamLanes beam(grid, i, end - i);
     const Lanes cosine = n.x() * beam.dir_x + n.y() * beam.dir_y + n.z() * beam.dir_z;
@@ -134,37 +155,26 @@ void addBeams(const BeamGrid& grid, int begin, int end, const PlanarRegion& regi
     const Lanes ox = beam.origin_x - center.x(), oy = beam.origin_y - center.y(), oz = beam.origin_z - center.z();
     const Lanes height = n.x() * ox + n.y() * oy + n.z() * oz;
     const Lanes distance = beam.valid ? height + beam.range * cosine : Lanes{};
-    across += distance * distance;
+    s.across += distance * distance;
     const Lanes range = -height * inverse;
     const Lanes residual = used ? beam.range - range : Lanes{};
     const Lanes qx = ox + range * beam.dir_x, qy = oy + range * beam.dir_y, qz = oz + range * beam.dir_z;
     // n' = n + alpha t1 + beta t2, offset gamma at the centroid: d range = (gamma - alpha t1.q - beta t2.q) / (n.u)
     const Lanes a = -(t1.x() * qx + t1.y() * qy + t1.z() * qz) * inverse;
     const Lanes b = -(t2.x() * qx + t2.y() * qy + t2.z() * qz) * inverse;
-    aa += a * a;
-    ab += a * b;
-    ac += a * inverse;
-    bb += b * b;
-    bc += b * inverse;
-    cc += inverse * inverse;
-    ra += a * residual;
-    rb += b * residual;
-    rc += inverse * residual;
-    squares += residual * residual;
-    counted += used;
+    s.aa += a * a;
+    s.ab += a * b;
+    s.ac += a * inverse;
+    s.bb += b * b;
+    s.bc += b * inverse;
+    s.cc += inverse * inverse;
+    s.ra += a * residual;
+    s.rb += b * residual;
+    s.rc += inverse * residual;
+    s.squares += residual * residual;
+    s.n += used;
   }
-  s.aa += sumLanes(aa);
-  s.ab += sumLanes(ab);
-  s.ac += sumLanes(ac);
-  s.bb += sumLanes(bb);
-  s.bc += sumLanes(bc);
-  s.cc += sumLanes(cc);
-  s.ra += sumLanes(ra);
-  s.rb += sumLanes(rb);
-  s.rc += sumLanes(rc);
-  s.squares += sumLanes(squares);
-  s.across += sumLanes(across);
-  s.n += countLanes(counted);
+  sums = s;
 }
 
 void refineAlongBeams(const BeamSums& s, PlanarRegion& region) {
@@ -201,7 +211,14 @@ PlanarRegion describe(const BeamGrid& grid, std::int32_t id, const std::vector<B
   BeamSums beams;
   beams.tangent1 = region.plane.normal.unitOrthogonal();
   beams.tangent2 = region.plane.normal.cross(beams.tangent1);
-  for (const Block& block : blocks) addBeams(grid, block.begin, block.end, region, beams);
+  const Eigen::Vector3f t1 = beams.tangent1.cast<float>(), t2 = beams.tangent2.cast<float>();
+  for (std::size_t first = 0; first < blocks.size(); first += kBeamBlocks) {
+    BeamLaneSums lanes;
+    for (std::size_t k = first; k < std::min(first + kBeamBlocks, blocks.size()); ++k) {
+      addBeams(grid, blocks[k].begin, blocks[k].end, region, t1, t2, lanes);
+    }
+    lanes.addTo(beams);
+  }
   region.rms = std::sqrt(beams.across / region.points);
   region.covariance *= beams.across / std::max(1, region.points - 3);
   refineAlongBeams(beams, region);
@@ -211,10 +228,11 @@ PlanarRegion describe(const BeamGrid& grid, std::int32_t id, const std::vector<B
 }  // namespace
 
 std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage& labels, int threads) {
-  std::vector<std::vector<Block>> blocks(static_cast<std::size_t>(highestLabel(labels)) + 1);
-  forEachRun(labels, [&](std::int32_t label, int begin, int end) {
-    for (int at = begin; at < end; at += kBlock) blocks[label].push_back({at, std::min(at + kBlock, end)});
-  });
+  const std::vector<LabelRun> runs = labelRuns(labels);
+  std::vector<std::vector<Block>> blocks(static_cast<std::size_t>(highestLabel(runs)) + 1);
+  for (const LabelRun& run : runs) {
+    for (int at = run.begin; at < run.end; at += kBlock) blocks[run.label].push_back({at, std::min(at + kBlock, run.end)});
+  }
   std::vector<PlanarRegion> regions(blocks.size());
   forEachPart(threads, static_cast<int>(blocks.size()), [&](int id) { regions[id] = describe(grid, id, blocks[id]); });
   regions.erase(std::remove_if(regions.begin(), regions.end(), [](const PlanarRegion& r) { return r.points < 3; }),
@@ -230,13 +248,14 @@ int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels) {
     const bool kept = (ranges[i] > 0.0F) & (label > 0);
     pixels[i] = kept ? label : 0;
   }
-  const std::int32_t highest = highestLabel(labels);
+  const std::vector<LabelRun> runs = labelRuns(labels);
+  const std::int32_t highest = highestLabel(runs);
   std::vector<int> count(static_cast<std::size_t>(highest) + 1, 0);
   std::vector<int> first(count.size(), grid.size());
-  forEachRun(labels, [&](std::int32_t label, int begin, int end) {
-    count[label] += end - begin;
-    first[label] = std::min(first[label], begin);
-  });
+  for (const LabelRun& run : runs) {
+    count[run.label] += run.end - run.begin;
+    first[run.label] = std::min(first[run.label], run.begin);
+  }
   std::vector<std::int32_t> order(static_cast<std::size_t>(highest));
   std::iota(order.begin(), order.end(), 1);
   std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
@@ -247,7 +266,7 @@ int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels) {
   for (const std::int32_t label : order) {
     if (count[label] >= std::max(1, min_size)) renamed[label] = ++n;
   }
-  renameLabels(renamed, labels);
+  renameLabels(renamed, runs, labels);
   return n;
 }
 

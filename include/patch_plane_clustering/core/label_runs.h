@@ -39,13 +39,31 @@ inline LaneMask labelsAt(const LabelImage& labels, int i, int count) {
   return inside ? loadLanes<LaneMask>(at) : loadLanes<LaneMask>(at, count);
 }
 
-/// Replaces every label by names[label].
-inline void renameLabels(const std::vector<std::int32_t>& names, LabelImage& labels) {
-  const int n = static_cast<int>(labels.labels.size());
-  for (int begin = 0, end = 0; begin < n; begin = end) {
-    const std::int32_t label = labels.labels[begin];
-    end = runEnd(labels.labels.data(), begin, n);
-    if (names[label] != label) std::fill(labels.labels.begin() + begin, labels.labels.begin() + end, names[label]);
+/// A stretch of pixels of one label above 0.
+struct LabelRun {
+  std::int32_t label;
+  int begin, end;
+};
+
+/// The stretches of forEachRun(): for what looks at them more than once.
+inline std::vector<LabelRun> labelRuns(const LabelImage& labels) {
+  std::vector<LabelRun> runs;
+  forEachRun(labels, [&](std::int32_t label, int begin, int end) { runs.push_back({label, begin, end}); });
+  return runs;
+}
+
+/// The largest label of runs; 0 if there is none.
+inline std::int32_t highestLabel(const std::vector<LabelRun>& runs) {
+  std::int32_t highest = 0;
+  for (const LabelRun& run : runs) highest = std::max(highest, run.label);
+  return highest;
+}
+
+/// Replaces every label above 0 by names[label]. @param runs those of the image, before.
+inline void renameLabels(const std::vector<std::int32_t>& names, const std::vector<LabelRun>& runs, LabelImage& labels) {
+  for (const LabelRun& run : runs) {
+    if (names[run.label] == run.label) continue;
+    std::fill(labels.labels.begin() + run.begin, labels.labels.begin() + run.end, names[run.label]);
   }
 }
 
