@@ -109,47 +109,46 @@ void paint(const BeamGrid& grid, const Patch& patch, std::int32_t label, LabelIm
 // and their sums over windows of three columns and 2 reach + 1 rows.
 class CellWindow {
  public:
-  /// Slots of a row: one before the cell's columns, the cell's, and room for whole lanes behind.
-  void reset(int width, int first_row, int rows) {
+  /// Slots of a row: one before the cell's columns, the cell's, and room for whole lanes behind. All numbers are 0.
+  void reset(int width, int rows) {
     blocks_ = (width + kLanes - 1) / kLanes;
     stride_ = blocks_ * kLanes + 2 * kLanes;
-    first_row_ = first_row;
     rows_ = rows;
     values_.assign(static_cast<std::size_t>(stride_ * rows), 0.0F);
-    columns_.resize(static_cast<std::size_t>(stride_));
+    across_.resize(static_cast<std::size_t>(blocks_ * rows));
   }
 
   int blocks() const { return blocks_; }
 
-  /// Slot of column `x` of the cell (-1: the one before it) in image row `row`.
-  float* at(int row, int x) { return values_.data() + stride_ * (row - first_row_) + x + 1; }
+  /// Slot of column `x` of the cell (-1: the one before it) in a row of the window.
+  int slot(int row, int x) const { return stride_ * row + x + 1; }
+  float* at(int slot) { return values_.data() + slot; }
 
-  /// Calls f(row, block, sums) for the image rows [row_begin, row_end), and blocks of four columns of the cell.
+  /// Calls f(k, sums) for the rows [begin, end) of the window and blocks of four columns of the cell, k in their order, row
+  /// by row. Sums along the rows come first: each counts in several windows.
   template <typename F>
-  void forEachSum(int row_begin, int row_end, int reach, F&& f) {
-    std::fill(columns_.begin(), columns_.end(), 0.0F);
-    int top = first_row_, bottom = first_row_;
-    for (int row = row_begin; row < row_end; ++row) {
-      while (bottom < std::min(first_row_ + rows_, row + reach + 1)) addRow(bottom++, 1.0F);
-      while (top < row - reach) addRow(top++, -1.0F);
-      for (int b = 0; b < blocks_; ++b) {
-        const float* first = columns_.data() + b * kLanes;
-        f(row, b, loadLanes<Lanes>(first) + loadLanes<Lanes>(first + 1) + loadLanes<Lanes>(first + 2));
+  void forEachSum(int begin, int end, int reach, F&& f) {
+    for (int row = 0, k = 0; row < rows_; ++row) {
+      const float* first = at(slot(row, -1));
+      for (int b = 0; b < blocks_; ++b, ++k, first += kLanes) {
+        across_[k] = loadLanes<Lanes>(first) + loadLanes<Lanes>(first + 1) + loadLanes<Lanes>(first + 2);
+      }
+    }
+    for (int b = 0; b < blocks_; ++b) {
+      Lanes sum = {};
+      int top = std::max(0, begin - reach), bottom = top;
+      for (int row = begin, k = b; row < end; ++row, k += blocks_) {
+        for (; bottom < std::min(rows_, row + reach + 1); ++bottom) sum += across_[bottom * blocks_ + b];
+        for (; top < row - reach; ++top) sum -= across_[top * blocks_ + b];
+        f(k, sum);
       }
     }
   }
 
  private:
-  void addRow(int row, float sign) {
-    const float* from = at(row, -1);
-    for (int x = 0; x < stride_; x += kLanes) {
-      storeLanes(loadLanes<Lanes>(columns_.data() + x) + sign * loadLanes<Lanes>(from + x), columns_.data() + x);
-    }
-  }
-
-  int blocks_ = 0, stride_ = 0, first_row_ = 0, rows_ = 0;
+  int blocks_ = 0, stride_ = 0, rows_ = 0;
   std::vector<float> values_;
-  std::vector<float> columns_;  // sums over the rows of the window
+  std::vector<Lanes> across_;  // sums over three columns
 };
 
 // Resolves the points of one patch among candidate clusters.
@@ -191,17 +190,17 @@ class PatchResolver {
     const int strip = patch.col_begin / patches_.strip_cols;
     const int reach = std::max(1, patches_.strip_rows[strip] / patches_.strip_cols);
     countWindow(patch, reach);
-    std::fill(best_.begin(), best_.end(), fill(std::numeric_limits<float>::infinity()));
-    std::fill(winner_.begin(), winner_.end(), LaneMask{});
+    forEachBlock(patch, [&](int k, int i, int count) {
+      const LaneMask labels =
+          count == kLanes ? loadLanes<LaneMask>(&out.labels[i]) : loadLanes<LaneMask>(&out.labels[i], count);
+      places_[k].open = ((labels <= LaneMask{}) | (labels >= fillMask(first_open))) & firstLanes(count);
+    });
     for (const std::int32_t candidate : candidates) compete(patch, reach, middle, candidate);
-    for (int r = patch.row_begin; r < patch.row_end; ++r) {
-      for (int c = patch.col_begin; c < patch.col_end; ++c) {
-        std::int32_t& label = out.labels[grid_.index(r, c)];
-        if (label > 0 && label < first_open) continue;
-        const int x = c - patch.col_begin;
-        label = winner_[blockAt(patch, r, x / kLanes)][x % kLanes];
+    forEachBlock(patch, [&](int k, int i, int count) {
+      for (int lane = 0; lane < count; ++lane) {
+        if (places_[k].open[lane] != 0) out.labels[i + lane] = places_[k].winner[lane];
       }
-    }
+    });
   }
 
  private:
@@ -209,61 +208,73 @@ class PatchResolver {
     return CellResiduals(grid_, center_, noise_, tolerance_, pixel, planes_[label].cast<float>());
   }
 
+  // Calls f(k, i, count) for the blocks of up to four pixels of the cell, row by row: `count` pixels from i on.
+  template <typename F>
+  void forEachBlock(const Patch& patch, F&& f) const {
+    for (int r = patch.row_begin, k = 0; r < patch.row_end; ++r) {
+      for (int c = patch.col_begin; c < patch.col_end; c += kLanes) {
+        f(k++, grid_.index(r, c), std::min(kLanes, patch.col_end - c));
+      }
+    }
+  }
+
   // Beams of the window, and how many of them each pixel's own window counts.
   void countWindow(const Patch& patch, int reach) {
     const int top = std::max(0, patch.row_begin - reach), bottom = std::min(grid_.rows, patch.row_end + reach);
     const int left = std::max(0, patch.col_begin - 1), right = std::min(grid_.cols, patch.col_end + 1);
     const int width = patch.col_end - patch.col_begin;
-    costs_.reset(width, top, bottom - top);
-    own_.reset(width, top, bottom - top);
+    first_row_ = patch.row_begin - top;
+    costs_.reset(width, bottom - top);
+    own_.reset(width, bottom - top);
     beams_.clear();
     for (int r = top; r < bottom; ++r) {
       for (int c = left; c < right; c += kLanes) {
-        beams_.push_back({BeamLanes(grid_, grid_.index(r, c), right - c), r, c - patch.col_begin});
-        const WindowBeams& added = beams_.back();
-        storeLanes(added.beams.valid ? fill(1.0F) : Lanes{}, costs_.at(r, added.x));
+        beams_.push_back({BeamLanes(grid_, grid_.index(r, c), right - c), costs_.slot(r - top, c - patch.col_begin)});
+        storeLanes(beams_.back().beams.valid ? fill(1.0F) : Lanes{}, costs_.at(beams_.back().slot));
       }
     }
-    const auto size = static_cast<std::size_t>((patch.row_end - patch.row_begin) * costs_.blocks());
-    inverse_count_.resize(size);
-    best_.resize(size);
-    winner_.resize(size);
-    costs_.forEachSum(patch.row_begin, patch.row_end, reach, [&](int row, int block, Lanes count) {
-      inverse_count_[blockAt(patch, row, block)] = 1.0F / (count > fill(1.0F) ? count : fill(1.0F));
+    places_.resize(static_cast<std::size_t>((patch.row_end - patch.row_begin) * costs_.blocks()));
+    costs_.forEachSum(first_row_, first_row_ + patch.row_end - patch.row_begin, reach, [&](int k, Lanes count) {
+      const Lanes inverse = 1.0F / (count > fill(1.0F) ? count : fill(1.0F));
+      places_[k] = Place{inverse, fill(std::numeric_limits<float>::infinity()), LaneMask{}, LaneMask{},
+                         own_.slot(first_row_ + k / costs_.blocks(), k % costs_.blocks() * kLanes)};
     });
   }
 
   void compete(const Patch& patch, int reach, int middle, std::int32_t candidate) {
     const CellResiduals squared = residuals(middle, candidate);
-    const float outlier = std::numeric_limits<float>::infinity();
-    LaneMask near = {};
+    const Lanes outlier = fill(std::numeric_limits<float>::infinity());
     for (const WindowBeams& window : beams_) {
       const Lanes own = squared(window.beams);
-      storeLanes(window.beams.valid ? own : fill(outlier), own_.at(window.row, window.x));
-      near |= window.beams.valid & (own <= fill(kMaxOwnResidual));
+      storeLanes(window.beams.valid ? own : outlier, own_.at(window.slot));
       const Lanes capped = own < fill(kCap) ? own : fill(kCap);
-      storeLanes(window.beams.valid ? capped : Lanes{}, costs_.at(window.row, window.x));
+      storeLanes(window.beams.valid ? capped : Lanes{}, costs_.at(window.slot));
     }
-    if (!anyLane(near)) return;
+    const auto ownOf = [&](const Place& place) { return loadLanes<Lanes>(own_.at(place.slot)); };
+    LaneMask near = {};
+    for (const Place& place : places_) near |= place.open & (ownOf(place) <= fill(kMaxOwnResidual));
+    if (!anyLane(near)) return;  // it can win no pixel whose label may change
     const float log_variance = squared.logVariance();
-    costs_.forEachSum(patch.row_begin, patch.row_end, reach, [&](int row, int block, Lanes sum) {
-      const std::size_t k = blockAt(patch, row, block);
-      const Lanes mean = sum * inverse_count_[k];
+    costs_.forEachSum(first_row_, first_row_ + patch.row_end - patch.row_begin, reach, [&](int k, Lanes sum) {
+      Place& place = places_[k];
+      const Lanes mean = sum * place.inverse_count;
       const Lanes total = mean + log_variance;
-      const auto own = loadLanes<Lanes>(own_.at(row, block * kLanes));
-      const LaneMask better = (own <= fill(kMaxOwnResidual)) & (mean < fill(kMaxWindowCost)) & (total < best_[k]);
-      best_[k] = better ? total : best_[k];
-      winner_[k] = better ? fillMask(candidate) : winner_[k];
+      const LaneMask better = (ownOf(place) <= fill(kMaxOwnResidual)) & (mean < fill(kMaxWindowCost)) & (total < place.best);
+      place.best = better ? total : place.best;
+      place.winner = better ? fillMask(candidate) : place.winner;
     });
-  }
-
-  std::size_t blockAt(const Patch& patch, int row, int block) const {
-    return static_cast<std::size_t>((row - patch.row_begin) * costs_.blocks() + block);
   }
 
   struct WindowBeams {
     BeamLanes beams;
-    int row, x;
+    int slot;
+  };
+
+  // Four pixels of the cell.
+  struct Place {
+    Lanes inverse_count, best;
+    LaneMask winner, open;  // open: the label may change
+    int slot;
   };
 
   const BeamGrid& grid_;
@@ -274,8 +285,8 @@ class PatchResolver {
   Eigen::Vector3f center_;
   std::vector<WindowBeams> beams_;
   CellWindow costs_, own_;
-  std::vector<Lanes> inverse_count_, best_;
-  std::vector<LaneMask> winner_;
+  int first_row_ = 0;  // of the cell in its window
+  std::vector<Place> places_;
 };
 
 }  // namespace
