@@ -93,7 +93,7 @@ std::vector<int> borderCells(const PatchGrid& cells, const CellShares& all) {
   return found;
 }
 
-// A pair of labels that meet, at two cells or in one.
+// Two labels that meet, at two cells or in one.
 struct Meeting {
   std::uint64_t key;  // both labels in one number, quick to sort by
   int cell, other;
@@ -104,17 +104,16 @@ struct Meeting {
   LabelPair pair() const { return {static_cast<std::int32_t>(key >> 32U), static_cast<std::int32_t>(key & 0xffffffffU)}; }
 };
 
-// Where labels meet of which at least one is fresh; in ascending pairs. `names`: what the labels of the shares have become.
-std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellShares& all, const std::vector<int>& border,
-                                  const std::vector<std::int32_t>& names, const std::vector<bool>& fresh) {
+// Where labels meet, cell by cell.
+std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellShares& all, const std::vector<int>& border) {
   std::vector<Meeting> meetings;
+  meetings.reserve(4 * border.size());
   for (const int i : border) {
     for (int s = all.begin[i]; s < all.begin[i + 1]; ++s) {
-      const std::int32_t a = names[all.shares[s].label];
+      const std::int32_t a = all.shares[s].label;
       const auto meet = [&](int t, int j) {
-        const std::int32_t b = names[all.shares[t].label];
-        if (a == b || !(fresh[a] || fresh[b])) return;
-        meetings.push_back({Meeting::keyOf(a, b), i, j});
+        const std::int32_t b = all.shares[t].label;
+        if (a != b) meetings.push_back({Meeting::keyOf(a, b), i, j});
       };
       for (int t = s + 1; t < all.begin[i + 1]; ++t) meet(t, i);
       cells.forEachNeighbour(i, [&](int j) {
@@ -123,8 +122,31 @@ std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellShares& all,
       });
     }
   }
-  std::stable_sort(meetings.begin(), meetings.end(), [](const Meeting& a, const Meeting& b) { return a.key < b.key; });
   return meetings;
+}
+
+// Gives meetings the labels' new names, and drops those that have come to be inside of one.
+void renameMeetings(const std::vector<std::int32_t>& now, std::vector<Meeting>& meetings) {
+  std::size_t kept = 0;
+  for (Meeting meeting : meetings) {
+    const LabelPair pair = meeting.pair();
+    const std::int32_t a = now[pair.first], b = now[pair.second];
+    if (a == b) continue;
+    meeting.key = Meeting::keyOf(a, b);
+    meetings[kept++] = meeting;
+  }
+  meetings.resize(kept);
+}
+
+// Those of which at least one label is fresh, in ascending pairs.
+std::vector<Meeting> freshMeetings(const std::vector<Meeting>& meetings, const std::vector<char>& fresh) {
+  std::vector<Meeting> found;
+  for (const Meeting& meeting : meetings) {
+    const LabelPair pair = meeting.pair();
+    if ((fresh[pair.first] | fresh[pair.second]) != 0) found.push_back(meeting);
+  }
+  std::stable_sort(found.begin(), found.end(), [](const Meeting& a, const Meeting& b) { return a.key < b.key; });
+  return found;
 }
 
 // Sums both sides of a border: what the two labels have in cells within kBorderSteps of those where they meet.
@@ -325,12 +347,12 @@ void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const Coplanar
   for (const Moments& sum : sumShares(shares)) whole.push_back({sum, fitPlane(sum)});
   std::vector<std::int32_t> names(whole.size());
   std::iota(names.begin(), names.end(), 0);
-  std::vector<bool> fresh(whole.size(), true);  // pairs of labels that have not changed need no second look
-  const std::vector<int> border = borderCells(cells, shares);
+  std::vector<char> fresh(whole.size(), 1);  // pairs of labels that have not changed need no second look
+  std::vector<Meeting> all = findMeetings(cells, shares, borderCells(cells, shares));
   BorderSums borders(cells, shares, names);
   while (true) {
     std::vector<std::pair<double, LabelPair>> candidates;
-    const std::vector<Meeting> meetings = findMeetings(cells, shares, border, names, fresh);
+    const std::vector<Meeting> meetings = freshMeetings(all, fresh);
     for (std::size_t begin = 0, end = 0; begin < meetings.size(); begin = end) {
       const LabelPair pair = meetings[begin].pair();
       while (end < meetings.size() && meetings[end].key == meetings[begin].key) ++end;
@@ -347,18 +369,19 @@ void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const Coplanar
     }
     if (candidates.empty()) break;
     std::sort(candidates.begin(), candidates.end());
-    std::vector<bool> changed(whole.size(), false);
+    std::vector<char> changed(whole.size(), 0);
     std::vector<std::int32_t> now(whole.size());
     std::iota(now.begin(), now.end(), 0);
     for (const auto& [s, pair] : candidates) {
-      if (changed[pair.first] || changed[pair.second]) continue;
-      changed[pair.first] = changed[pair.second] = true;
+      if ((changed[pair.first] | changed[pair.second]) != 0) continue;
+      changed[pair.first] = changed[pair.second] = 1;
       Whole& joined = whole[pair.first];
       joined.moments += whole[pair.second].moments;
       joined.fit = fitPlane(joined.moments);
       now[pair.second] = pair.first;
     }
     for (std::int32_t& label : names) label = now[label];
+    renameMeetings(now, all);
     fresh = changed;
   }
   rename(names, shares);
