@@ -35,13 +35,13 @@ class CellResiduals {
     variance_ratio_ = variance / (sigma * sigma);
   }
 
-  /// Infinite where the plane is not in front of the sensor.
+  /// Infinite where nothing was measured, or the plane is not in front of the sensor.
   Lanes operator()(const BeamLanes& beam) const {
     const Lanes along = a_.x() * beam.dir_x + a_.y() * beam.dir_y + a_.z() * beam.dir_z;
     const Lanes across = offset_ - (a_.x() * beam.origin_x + a_.y() * beam.origin_y + a_.z() * beam.origin_z);
     const Lanes model = across / along;
     const Lanes e = beam.range - model;
-    return model > Lanes{} ? e * e * precision_ : fill(std::numeric_limits<float>::infinity());
+    return beam.valid & (model > Lanes{}) ? e * e * precision_ : fill(std::numeric_limits<float>::infinity());
   }
 
   /// Logarithm of the variance over that of the noise alone: a lenient plane explains everything, but nothing well.
@@ -135,11 +135,12 @@ class CellWindow {
       }
     }
     for (int b = 0; b < blocks_; ++b) {
+      const auto at = [&](int row) { return across_[row * blocks_ + b]; };
       Lanes sum = {};
-      int top = std::max(0, begin - reach), bottom = top;
+      for (int row = std::max(0, begin - reach); row < std::min(rows_, begin + reach); ++row) sum += at(row);
       for (int row = begin, k = b; row < end; ++row, k += blocks_) {
-        for (; bottom < std::min(rows_, row + reach + 1); ++bottom) sum += across_[bottom * blocks_ + b];
-        for (; top < row - reach; ++top) sum -= across_[top * blocks_ + b];
+        if (row + reach < rows_) sum += at(row + reach);
+        if (row > begin && row > reach) sum -= at(row - reach - 1);
         f(k, sum);
       }
     }
@@ -171,7 +172,7 @@ class PatchResolver {
       for (int c = cell.col_begin; c < cell.col_end; c += kLanes) {
         const int i = grid_.index(r, c), count = cell.col_end - c;
         const BeamLanes beams = count >= kLanes ? BeamLanes(grid_, i) : BeamLanes(grid_, i, count);
-        const LaneMask outside = ~beams.valid | (squared(beams) > fill(kMaxInnerResidual));
+        const LaneMask outside = squared(beams) > fill(kMaxInnerResidual);
         if (!anyLane(outside)) continue;
         for (int lane = 0; lane < std::min(kLanes, cell.col_end - c); ++lane) {
           if (outside[lane] == 0) continue;
@@ -229,7 +230,7 @@ class PatchResolver {
     beams_.clear();
     for (int r = top; r < bottom; ++r) {
       for (int c = left; c < right; c += kLanes) {
-        beams_.push_back({BeamLanes(grid_, grid_.index(r, c), right - c), costs_.slot(r - top, c - patch.col_begin)});
+        beams_.emplace_back(grid_, grid_.index(r, c), right - c, costs_.slot(r - top, c - patch.col_begin));
         storeLanes(beams_.back().beams.valid ? fill(1.0F) : Lanes{}, costs_.at(beams_.back().slot));
       }
     }
@@ -243,10 +244,9 @@ class PatchResolver {
 
   void compete(const Patch& patch, int reach, int middle, std::int32_t candidate) {
     const CellResiduals squared = residuals(middle, candidate);
-    const Lanes outlier = fill(std::numeric_limits<float>::infinity());
     for (const WindowBeams& window : beams_) {
       const Lanes own = squared(window.beams);
-      storeLanes(window.beams.valid ? own : outlier, own_.at(window.slot));
+      storeLanes(own, own_.at(window.slot));
       const Lanes capped = own < fill(kCap) ? own : fill(kCap);
       storeLanes(window.beams.valid ? capped : Lanes{}, costs_.at(window.slot));
     }
@@ -266,6 +266,9 @@ class PatchResolver {
   }
 
   struct WindowBeams {
+    WindowBeams(const BeamGrid& grid, int i, int count, int window_slot)
+        : beams(count >= kLanes ? BeamLanes(grid, i) : BeamLanes(grid, i, count)), slot(window_slot) {}
+
     BeamLanes beams;
     int slot;
   };

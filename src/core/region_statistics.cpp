@@ -29,6 +29,14 @@ struct PointSums {
   int n = 0;
 };
 
+// Calls f(beams) for pixels [begin, end), four at a time.
+template <typename F>
+void forEachBeams(const BeamGrid& grid, int begin, int end, const F& f) {
+  int i = begin;
+  for (; i + kLanes <= end; i += kLanes) f(BeamLanes(grid, i));
+  if (i < end) f(BeamLanes(grid, i, end - i));
+}
+
 // Adds the valid pixels [begin, end), at most kBlock of them. Four at a time in single precision about the block's own first
 // point, which is near enough for the digits to suffice.
 void addPoints(const BeamGrid& grid, int begin, int end, PointSums& s) {
@@ -37,8 +45,7 @@ void addPoints(const BeamGrid& grid, int begin, int end, PointSums& s) {
   const Eigen::Vector3f first = grid.point(begin);
   Lanes x = {}, y = {}, z = {}, xx = {}, xy = {}, xz = {}, yy = {}, yz = {}, zz = {};
   LaneMask counted = {};
-  for (int i = begin; i < end; i += kLanes) {
-    const BeamLanes beam(grid, i, end - i);
+  forEachBeams(grid, begin, end, [&](const BeamLanes& beam) {
     const Lanes zero = {};
     const Lanes px = beam.valid ? beam.origin_x + beam.range * beam.dir_x - first.x() : zero;
     const Lanes py = beam.valid ? beam.origin_y + beam.range * beam.dir_y - first.y() : zero;
@@ -53,7 +60,7 @@ void addPoints(const BeamGrid& grid, int begin, int end, PointSums& s) {
     yz += py * pz;
     zz += pz * pz;
     counted += beam.valid;
-  }
+  });
   if (s.n == 0) {
     s.ox = first.x();
     s.oy = first.y();
@@ -146,8 +153,7 @@ void addBeams(const BeamGrid& grid, int begin, int end, const PlanarRegion& regi
               const Eigen::Vector3f& t2, BeamLaneSums& sums) {
   const Eigen::Vector3f n = region.plane.normal.cast<float>(), center = region.centroid.cast<float>();
   BeamLaneSums s = sums;
-  for (int i = begin; i < end; i += kLanes) {
-    const BeamLanes beam(grid, i, end - i);
+  forEachBeams(grid, begin, end, [&](const BeamLanes& beam) {
     const Lanes cosine = n.x() * beam.dir_x + n.y() * beam.dir_y + n.z() * beam.dir_z;
     const LaneMask used = beam.valid & (cosine < fill(-kMinCosine));
     const Lanes inverse = used ? 1.0F / cosine : Lanes{};
@@ -173,7 +179,7 @@ void addBeams(const BeamGrid& grid, int begin, int end, const PlanarRegion& regi
     s.rc += inverse * residual;
     s.squares += residual * residual;
     s.n += used;
-  }
+  });
   sums = s;
 }
 
