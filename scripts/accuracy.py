@@ -41,6 +41,7 @@ ABLATIONS = {
     'merging': ['--set', 'merge=false'],
     'refinement and second pass': ['--set', 'refine=false'],
     'second pass': ['--set', 'second_pass=false'],
+    'filling of holes': ['--set', 'fill_holes=false'],
     'curvature test': ['--set', 'max_turn=10'],
     'everything: config/ppc_2012.yaml': ['--config', ROOT / 'config/ppc_2012.yaml'],
 }

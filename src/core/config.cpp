@@ -42,6 +42,8 @@ std::vector<ConfigField> makeFields() {
       PPC_FIELD("refine", Type::kBool, 0, 1, refine, "assign points one by one along the borders of clusters"),
       PPC_FIELD("second_pass", Type::kBool, 0, 1, second_pass,
                 "look for thin regions with smaller patches in what the first pass left over"),
+      PPC_FIELD("fill_holes", Type::kBool, 0, 1, fill_holes,
+                "give bumps of noise inside of a region, too small for one of their own, to it"),
       PPC_FIELD("max_turn", Type::kDouble, 0.01, 10.0, max_turn,
                 "regions whose normal turns by more from end to end are curved, not planar; 10 = keep all [rad]"),
       PPC_FIELD("noise_scale", Type::kDouble, 0, 100, noise_scale,

@@ -350,7 +350,7 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
   });
 }
 
-void splitComponents(int gap_rows, int gap_cols, LabelImage& labels) {
+std::vector<std::int32_t> splitComponents(int gap_rows, int gap_cols, LabelImage& labels) {
   // Runs of equal labels along the rows, gaps bridged; runs of nearby rows that overlap belong together.
   struct Run {
     int begin, end, parent;
@@ -404,12 +404,16 @@ void splitComponents(int gap_rows, int gap_cols, LabelImage& labels) {
     }
   }
   std::vector<std::int32_t> renamed(runs.size(), 0);
-  std::int32_t next = 0;
+  std::vector<std::int32_t> before(1, 0);
   for (const Stretch& stretch : stretches) {
     std::int32_t& name = renamed[find(stretch.run)];
-    if (name == 0) name = ++next;
+    if (name == 0) {
+      name = static_cast<std::int32_t>(before.size());
+      before.push_back(runs[stretch.run].label);
+    }
     std::fill(labels.labels.begin() + stretch.begin, labels.labels.begin() + stretch.end, name);
   }
+  return before;
 }
 
 }  // namespace ppc

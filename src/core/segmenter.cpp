@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/clustering.h"
 #include "patch_plane_clustering/core/curvature.h"
+#include "patch_plane_clustering/core/hole_filling.h"
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/line_errors.h"
 #include "patch_plane_clustering/core/noise_correlation.h"
@@ -120,10 +121,19 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
       timer.lap("second pass");
     }
   }
-  splitComponents(2 * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols), 2, labels);
+  const std::vector<Eigen::Vector3d> planes = labelPlanes(shares);
+  const std::vector<std::int32_t> whole =
+      splitComponents(2 * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols), 2, labels);
   timer.lap("components");
   dropCurvedRegions(grid, noise, tolerance, config.max_turn, labels, config.threads);
   timer.lap("curvature");
+  if (config.fill_holes) {
+    std::vector<Eigen::Vector3d> piece_planes;
+    piece_planes.reserve(whole.size());
+    for (const std::int32_t label : whole) piece_planes.push_back(planes[label]);
+    fillHoles(grid, piece_planes, patches.center, noise, tolerance, smallestRegion(config, grid.size()), labels);
+    timer.lap("holes");
+  }
   return labels;
 }
 

@@ -25,7 +25,7 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
                   std::int32_t first_open, LabelImage& labels, std::vector<char>& changed, int threads = 1);
 
 /// @brief Splits labels into pieces that are connected in the image. Gaps of up to `gap_cols` columns or `gap_rows` rows are
-/// bridged.
-void splitComponents(int gap_rows, int gap_cols, LabelImage& labels);
+/// bridged. @return for every new label the one that it was part of; index = label.
+std::vector<std::int32_t> splitComponents(int gap_rows, int gap_cols, LabelImage& labels);
 
 }  // namespace ppc

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/noise_model.h"
+#include "patch_plane_clustering/core/segmentation.h"
+#include "patch_plane_clustering/core/similarity.h"
+
+#include <vector>
+
+namespace ppc {
+
+/// @brief Gives points inside of a region to it which as a whole lie on its plane as well as noise lets them.
+///
+/// Smooth noise makes bumps that look like faces of their own to patches; they end as specks that are too small for a
+/// region. A speck (pixels without a label, or of regions too small) that touches one region only is filled if its mean
+/// distance from the plane is within the error of such a mean and the tolerance, and its points scatter no more than noise.
+/// @param planes a (see moments.h) of every label. @param center origin of the planes [m]. @param smallest points that a
+/// region has at least.
+void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
+               const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, LabelImage& labels);
+
+}  // namespace ppc

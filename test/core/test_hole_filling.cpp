@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/hole_filling.h"
+
+#include "analytic_scenes.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace ppc {
+namespace {
+
+using namespace testing_tools;
+
+constexpr int kRows = 60, kCols = 80, kSmallest = 200;
+constexpr double kDistance = 3.0;
+const NoiseModel kNoise(SensorModel{0.01, 0.01, 10.0, 0.0}, 1.0);
+const CoplanarityTolerance kWhite{0.005, 0.005, 1.0};
+
+// A wall ahead of which a block of pixels has no label.
+struct HoledWall {
+  BeamGrid grid = forwardBeams(kRows, kCols, 0.005);
+  LabelImage labels;
+  std::vector<Eigen::Vector3d> planes{Eigen::Vector3d::Zero(), Eigen::Vector3d(1.0 / kDistance, 0.0, 0.0)};
+
+  explicit HoledWall(double bump = 0.0, int rows = 8, int cols = 8) {
+    scan({wall({-1.0, 0.0, 0.0}, -kDistance)}, grid);
+    addNoise(grid, 0.01);
+    labels.rows = kRows;
+    labels.cols = kCols;
+    labels.labels.assign(static_cast<std::size_t>(grid.size()), 1);
+    forEachPixel(rows, cols, [&](int i) {
+      labels.labels[i] = 0;
+      grid.range[i] += static_cast<float>(bump);
+    });
+  }
+
+  template <typename F>
+  void forEachPixel(int rows, int cols, F&& f) const {
+    for (int r = 20; r < 20 + rows; ++r) {
+      for (int c = 30; c < 30 + cols; ++c) f(grid.index(r, c));
+    }
+  }
+
+  int unlabelledAfter(const CoplanarityTolerance& tolerance = kWhite) {
+    fillHoles(grid, planes, Eigen::Vector3d::Zero(), kNoise, tolerance, kSmallest, labels);
+    return countOf(labels, 0);
+  }
+};
+
+TEST(FillHoles, GivesPointsOnThePlaneToTheRegionAround) { EXPECT_EQ(HoledWall().unlabelledAfter(), 0); }
+
+TEST(FillHoles, LeavesWhatStandsOffThePlane) {
+  EXPECT_EQ(HoledWall(0.03).unlabelledAfter(), 64);
+  EXPECT_EQ(HoledWall(-0.03).unlabelledAfter(), 64);
+  EXPECT_EQ(HoledWall(1.0).unlabelledAfter(), 64);
+}
+
+TEST(FillHoles, AllowsForCorrelatedNoise) {
+  CoplanarityTolerance correlated = kWhite;
+  correlated.inflation = 16.0;  // bumps of that many points are as uncertain as four points of white noise
+  EXPECT_EQ(HoledWall(0.02).unlabelledAfter(correlated), 0);
+  EXPECT_EQ(HoledWall(0.06).unlabelledAfter(correlated), 64);
+}
+
+TEST(FillHoles, LeavesPointsThatScatterMoreThanNoise) {
+  HoledWall scattered;
+  int sign = 1;
+  scattered.forEachPixel(8, 8, [&](int i) { scattered.grid.range[i] += static_cast<float>((sign = -sign) * 0.05); });
+  EXPECT_EQ(scattered.unlabelledAfter(), 64);
+}
+
+TEST(FillHoles, LeavesHolesAsLargeAsARegion) {
+  EXPECT_EQ(HoledWall(0.0, 14, 14).unlabelledAfter(), 0);
+  EXPECT_EQ(HoledWall(0.0, 15, 15).unlabelledAfter(), 225);
+}
+
+TEST(FillHoles, LeavesSpecksBetweenTwoRegions) {
+  HoledWall two;
+  two.planes.push_back(two.planes[1]);
+  for (int r = 0; r < kRows; ++r) {
+    for (int c = 34; c < kCols; ++c) {
+      std::int32_t& label = two.labels.labels[two.grid.index(r, c)];
+      if (label == 1) label = 2;
+    }
+  }
+  EXPECT_EQ(two.unlabelledAfter(), 64);
+}
+
+TEST(FillHoles, TakesRegionsThatAreTooSmallAsHoles) {
+  HoledWall scrap;
+  scrap.planes.emplace_back(0.3, 0.1, 0.0);
+  scrap.forEachPixel(8, 8, [&](int i) { scrap.labels.labels[i] = 2; });
+  EXPECT_EQ(scrap.unlabelledAfter(), 0);
+  EXPECT_EQ(countOf(scrap.labels, 2), 0);
+}
+
+TEST(FillHoles, LeavesPixelsWithoutARange) {
+  HoledWall holed;
+  holed.forEachPixel(2, 2, [&](int i) { holed.grid.range[i] = kNoRange; });
+  EXPECT_EQ(holed.unlabelledAfter(), 4);
+}
+
+}  // namespace
+}  // namespace ppc
