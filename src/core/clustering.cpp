@@ -17,6 +17,8 @@ constexpr double kOneRing = 0.7;
 constexpr double kTwoRings = 1.5;
 constexpr int kClusterSizes = 3;  // size of a cluster over that of such surroundings before they are asked
 constexpr int kInflationPatches = 3000;
+constexpr std::ptrdiff_t kSortedShare = 8;  // of the seeds, the part that is sorted at a time
+constexpr std::ptrdiff_t kLeastSorted = 64;
 
 double excess(const Moments& a, const PlaneFit& fit_a, const Moments& b, const PlaneFit& fit_b) {
   return fitPlane(a + b).chi2 - fit_a.chi2 - fit_b.chi2;
@@ -155,12 +157,22 @@ void growClusters(const PatchGrid& grid, const NoiseModel& noise, const Coplanar
   memory.around.clear();
   memory.around_of.assign(n, -1);
   if (!plain) measureSurroundings(grid, noise, tolerance, memory);
-  std::sort(memory.seeds.begin(), memory.seeds.end());
 
   const double greatest = greatestMisfit(threshold);
   std::vector<int>& queue = out.members;
-  for (const auto& [roughness, seed] : memory.seeds) {
-    if (out.cluster_of[seed] >= 0) continue;
+  const auto grown = [&](const std::pair<double, int>& seed) { return out.cluster_of[seed.second] >= 0; };
+  auto sorted_end = memory.seeds.begin();
+  for (auto next = memory.seeds.begin(); next != memory.seeds.end(); ++next) {
+    if (next == sorted_end) {  // the best of the rest; later on most of them have grown into a cluster
+      memory.seeds.erase(std::remove_if(next, memory.seeds.end(), grown), memory.seeds.end());
+      if (next == memory.seeds.end()) break;
+      const auto rest = memory.seeds.end() - next;
+      sorted_end = next + std::min(rest, std::max(kLeastSorted, rest / kSortedShare));
+      std::nth_element(next, sorted_end - 1, memory.seeds.end());
+      std::sort(next, sorted_end);
+    }
+    const int seed = next->second;
+    if (grown(*next)) continue;
     const int id = static_cast<int>(out.clusters.size());
     Cluster cluster;
     cluster.moments = grid.patches[seed].moments;

@@ -100,7 +100,7 @@ void paint(const BeamGrid& grid, const Patch& patch, std::int32_t label, LabelIm
       continue;
     }
     for (int c = 0; c < cols; ++c) {
-      if (grid.valid(i + c)) labels[c] = label;
+      labels[c] = grid.valid(i + c) ? label : 0;
     }
   }
 }
@@ -294,13 +294,14 @@ class PatchResolver {
 
 }  // namespace
 
-void patchLabels(const BeamGrid& grid, const PatchGrid& patches, const PatchClusters& clusters, LabelImage& out) {
+void patchLabels(const BeamGrid& grid, const PatchGrid& patches, const PatchClusters& clusters, LabelImage& out,
+                 int threads) {
   out.rows = grid.rows;
   out.cols = grid.cols;
-  out.labels.assign(static_cast<std::size_t>(grid.size()), 0);
-  for (std::size_t p = 0; p < patches.patches.size(); ++p) {
-    if (clusters.cluster_of[p] >= 0) paint(grid, patches.patches[p], clusters.cluster_of[p] + 1, out);
-  }
+  out.labels.resize(static_cast<std::size_t>(grid.size()));
+  forEachRange(threads, static_cast<int>(patches.patches.size()), [&](int begin, int end) {
+    for (int p = begin; p < end; ++p) paint(grid, patches.patches[p], clusters.cluster_of[p] + 1, out);
+  });
 }
 
 void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,

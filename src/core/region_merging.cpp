@@ -317,13 +317,13 @@ void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel
     mine.begin.clear();
     mine.shares.clear();
     std::vector<std::int32_t> scratch;
-    for (int k = partBegin(part); k < partBegin(part + 1); ++k) {
+    const int part_end = partBegin(part + 1);
+    for (int k = partBegin(part); k < part_end; ++k) {
       mine.begin.push_back(static_cast<int>(mine.shares.size()));
       if (changed[k] != 0) {
         shareCell(grid, cells.patches[k], cells.center, noise, labels, scratch, mine);
       } else {
-        mine.shares.insert(mine.shares.end(), before.shares.begin() + before.begin[k],
-                           before.shares.begin() + before.begin[k + 1]);
+        for (int s = before.begin[k]; s < before.begin[k + 1]; ++s) mine.shares.push_back(before.shares[s]);
       }
     }
   });

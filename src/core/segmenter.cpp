@@ -93,7 +93,7 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
 
   growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config), memory.growth, memory.clusters);
   LabelImage labels;
-  patchLabels(grid, patches, memory.clusters, labels);
+  patchLabels(grid, patches, memory.clusters, labels, config.threads);
   timer.lap("clustering");
   CellShares& shares = memory.shares;
   std::vector<char>& changed = memory.changed;

@@ -9,7 +9,8 @@
 namespace ppc {
 
 /// @brief Labels of the pixels of clustered patches: cluster index + 1, 0 elsewhere.
-void patchLabels(const BeamGrid& grid, const PatchGrid& patches, const PatchClusters& clusters, LabelImage& out);
+void patchLabels(const BeamGrid& grid, const PatchGrid& patches, const PatchClusters& clusters, LabelImage& out,
+                 int threads = 1);
 
 /// @brief Resolves labels point by point, as sharp as the image: cells inside a region keep its label, in all others the
 /// planes seen in and near the cell compete for each point.
