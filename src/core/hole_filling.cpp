@@ -24,7 +24,8 @@ void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes,
                const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, LabelImage& labels) {
   std::vector<int> points(planes.size(), 0);
   forEachRun(labels, [&](std::int32_t label, int begin, int end) { points[label] += end - begin; });
-  const auto loose = [&](int i) { return points[labels.labels[i]] < smallest || labels.labels[i] == 0; };
+  std::vector<char> loose(points.size());  // labels, and none, that are not those of a region
+  for (std::size_t label = 0; label < loose.size(); ++label) loose[label] = label == 0 || points[label] < smallest ? 1 : 0;
 
   const auto residual = [&](int i, const Eigen::Vector3d& a) {
     const double along = a.dot(grid.direction(i).cast<double>());
@@ -36,8 +37,8 @@ void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes,
   };
   std::vector<char> seen(static_cast<std::size_t>(grid.size()), 0);
   std::vector<int> speck;
-  for (int first = 0; first < grid.size(); ++first) {
-    if (seen[first] != 0 || !grid.valid(first) || !loose(first)) continue;
+  const auto fillFrom = [&](int first) {
+    if (seen[first] != 0 || !grid.valid(first)) return;
     speck.assign(1, first);
     seen[first] = 1;
     std::int32_t around = 0;
@@ -46,7 +47,7 @@ void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes,
       const int i = speck[k], row = i / grid.cols, col = i % grid.cols;
       const auto visit = [&](int j) {
         if (!grid.valid(j)) return;
-        if (!loose(j)) {
+        if (loose[labels.labels[j]] == 0) {
           alone = alone && (around == 0 || around == labels.labels[j]);
           around = labels.labels[j];
         } else if (seen[j] == 0) {
@@ -59,7 +60,7 @@ void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes,
       if (row > 0) visit(i - grid.cols);
       if (row + 1 < grid.rows) visit(i + grid.cols);
     }
-    if (around == 0 || !alone || static_cast<int>(speck.size()) >= smallest) continue;
+    if (around == 0 || !alone || static_cast<int>(speck.size()) >= smallest) return;
     double sum = 0.0, squares = 0.0, variances = 0.0, allowed = 0.0;
     for (const int i : speck) {
       const Residual r = residual(i, planes[around]);
@@ -71,8 +72,13 @@ void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes,
     }
     const auto n = static_cast<double>(speck.size());
     const double deviation = std::sqrt(variances / n * std::min(1.0, tolerance.inflationOf(n) / n) + allowed / n);
-    if (std::abs(sum / n) > kMaxMean * deviation || squares / n > kMaxScatter) continue;
+    if (std::abs(sum / n) > kMaxMean * deviation || squares / n > kMaxScatter) return;
     for (const int i : speck) labels.labels[i] = around;
+  };
+  for (int begin = 0, end = 0; begin < grid.size(); begin = end) {
+    end = runEnd(labels.labels.data(), begin, grid.size());
+    if (loose[labels.labels[begin]] == 0) continue;
+    for (int i = begin; i < end; ++i) fillFrom(i);
   }
 }
 
