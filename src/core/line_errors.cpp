@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/line_differences.h"
 #include "patch_plane_clustering/core/line_misfit.h"
+#include "patch_plane_clustering/core/parallel.h"
 #include "patch_plane_clustering/core/quantile.h"
 
 #include <algorithm>
@@ -64,13 +65,15 @@ LineNoise measureNoise(const std::vector<LineMisfit>& misfits, Component compone
   return noise;
 }
 
-std::vector<LineMisfit> measureMisfits(const GridLines& lines, LineErrorKind kind, int stride) {
+std::vector<LineMisfit> measureMisfits(const GridLines& lines, LineErrorKind kind, int stride, int threads) {
   std::vector<LineMisfit> misfits(static_cast<std::size_t>(lines.count()));
-  std::vector<LineSample> scratch;
-  for (int n = 0; n * stride < lines.count(); ++n) {
-    const int k = n * stride + 5 * n % stride;  // never in step with the steps of an encoder
-    if (k > 0 && k + 1 < lines.count()) misfits[k] = measureLineMisfit(lines, k, kind, scratch);
-  }
+  forEachRange(threads, (lines.count() + stride - 1) / stride, [&](int begin, int end) {
+    std::vector<LineSample> scratch;
+    for (int n = begin; n < end; ++n) {
+      const int k = n * stride + 5 * n % stride;  // never in step with the steps of an encoder
+      if (k > 0 && k + 1 < lines.count()) misfits[k] = measureLineMisfit(lines, k, kind, scratch);
+    }
+  });
   return misfits;
 }
 
@@ -114,13 +117,13 @@ void addBack(const LineErrors& taken, std::vector<LineMisfit>& misfits) {
   }
 }
 
-LineErrors errorsOf(const BeamGrid& grid, bool in_columns, LineErrorKind kind) {
+LineErrors errorsOf(const BeamGrid& grid, bool in_columns, LineErrorKind kind, int threads) {
   LineErrors errors;
   errors.in_columns = in_columns;
   BeamGrid corrected;
   for (int round = 0; round < (kind == LineErrorKind::kRange ? 1 : kRounds); ++round) {
     if (round > 0) removeLineErrors(errors, grid, corrected);
-    std::vector<LineMisfit> misfits = measureMisfits(GridLines(round > 0 ? corrected : grid, in_columns), kind, 1);
+    std::vector<LineMisfit> misfits = measureMisfits(GridLines(round > 0 ? corrected : grid, in_columns), kind, 1, threads);
     if (round > 0) addBack(errors, misfits);
     if (kind != LineErrorKind::kTurn) {
       const LineNoise noise = measureNoise(misfits, kRange);
@@ -137,39 +140,39 @@ LineErrors errorsOf(const BeamGrid& grid, bool in_columns, LineErrorKind kind) {
 }
 
 // What sloped beams are off without these errors, in those lines where they are off most [m].
-double leftOf(const LineErrors& errors, const BeamGrid& grid, int stride) {
+double leftOf(const LineErrors& errors, const BeamGrid& grid, int stride, int threads) {
   BeamGrid corrected;
   if (!errors.empty()) removeLineErrors(errors, grid, corrected);
   const GridLines lines(errors.empty() ? grid : corrected, errors.in_columns);
   std::vector<double> left;
-  for (const LineMisfit& m : measureMisfits(lines, LineErrorKind::kBoth, stride)) {
+  for (const LineMisfit& m : measureMisfits(lines, LineErrorKind::kBoth, stride, threads)) {
     if (m.turn.samples >= kMinSamples) left.push_back(m.off);
   }
   return left.empty() ? 0.0 : quantile(left, kStepShare);
 }
 
-LineErrors estimateAlong(const BeamGrid& grid, bool in_columns) {
+LineErrors estimateAlong(const BeamGrid& grid, bool in_columns, int threads) {
   const GridLines lines(grid, in_columns);
   LineErrors ranges;
   ranges.in_columns = in_columns;
   if (lines.count() < kMinLines) return ranges;
   const int stride = std::max(kGlance, lines.count() / kMaxGlances);
-  if (measureNoise(measureMisfits(lines, LineErrorKind::kRange, stride), kRange).significant) {
-    ranges = errorsOf(grid, in_columns, LineErrorKind::kRange);
+  if (measureNoise(measureMisfits(lines, LineErrorKind::kRange, stride, threads), kRange).significant) {
+    ranges = errorsOf(grid, in_columns, LineErrorKind::kRange, threads);
   }
-  const std::vector<LineMisfit> both = measureMisfits(lines, LineErrorKind::kBoth, stride);
+  const std::vector<LineMisfit> both = measureMisfits(lines, LineErrorKind::kBoth, stride, threads);
   if (!measureNoise(both, kTurn).significant) return ranges;
   const bool in_range_too = measureNoise(both, kRange).significant;
-  const LineErrors turns = errorsOf(grid, in_columns, in_range_too ? LineErrorKind::kBoth : LineErrorKind::kTurn);
+  const LineErrors turns = errorsOf(grid, in_columns, in_range_too ? LineErrorKind::kBoth : LineErrorKind::kTurn, threads);
   if (turns.turn.empty()) return ranges;
-  return leftOf(turns, grid, stride) < kMostLeft * leftOf(ranges, grid, stride) ? turns : ranges;
+  return leftOf(turns, grid, stride, threads) < kMostLeft * leftOf(ranges, grid, stride, threads) ? turns : ranges;
 }
 
 }  // namespace
 
-LineErrors estimateLineErrors(const BeamGrid& grid) {
-  LineErrors errors = estimateAlong(grid, false);
-  return errors.empty() ? estimateAlong(grid, true) : errors;
+LineErrors estimateLineErrors(const BeamGrid& grid, int threads) {
+  LineErrors errors = estimateAlong(grid, false, threads);
+  return errors.empty() ? estimateAlong(grid, true, threads) : errors;
 }
 
 void removeLineErrors(const LineErrors& errors, const BeamGrid& grid, BeamGrid& out) {

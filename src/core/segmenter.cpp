@@ -73,7 +73,7 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vecto
 LabelImage clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMemory& memory,
                           std::vector<StageTime>* stages) {
   StageTimer timer(stages);
-  const LineErrors line_errors = config.noise_aware ? estimateLineErrors(measured) : LineErrors();
+  const LineErrors line_errors = config.noise_aware ? estimateLineErrors(measured, config.threads) : LineErrors();
   if (!line_errors.empty()) removeLineErrors(line_errors, measured, memory.corrected);
   const BeamGrid& grid = line_errors.empty() ? measured : memory.corrected;
   PatchGrid& patches = memory.patches;

@@ -25,7 +25,7 @@ struct LineErrors {
 /// both are fitted robustly. From these differences the errors follow by least squares, but for slow changes from line to
 /// line, which cannot be told from the shape of the scene. Errors smaller than the noise of single ranges do no harm and are
 /// left alone; so are images that were not taken line by line (range cameras).
-LineErrors estimateLineErrors(const BeamGrid& grid);
+LineErrors estimateLineErrors(const BeamGrid& grid, int threads = 1);
 
 /// @brief Takes the errors out of the ranges, and turns the beams to where they pointed. @param out overwritten.
 void removeLineErrors(const LineErrors& errors, const BeamGrid& grid, BeamGrid& out);
