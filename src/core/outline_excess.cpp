@@ -44,20 +44,23 @@ OutlineExcess::OutlineExcess(const OutlinePoint* points, std::size_t size, const
       stride_(size + kPair - 1),  // pairs may reach beyond the end
       metres2_(tolerance.metres * tolerance.metres),
       pixels_(tolerance.pixels),
-      columns_(6 * stride_) {
+      columns_(new double[6 * stride_]) {
   for (std::size_t i = 0; i < size; ++i) {
     const OutlinePoint& p = points[i];
-    double* out = columns_.data() + i;
+    double* out = columns_.get() + i;
     for (const double value : {p.point.x(), p.point.y(), p.row_step.x(), p.row_step.y(), p.col_step.x(), p.col_step.y()}) {
       *out = value;
       out += stride_;
     }
   }
+  for (std::size_t column = 1; column <= 6; ++column) {
+    columns_[column * stride_ - 1] = 0.0;
+  }
 }
 
 // Writes whole pairs: one more than asked for if `count` is odd.
 void OutlineExcess::fill(std::size_t begin, std::size_t count, const Edge& e, double* excess) const {
-  const double* const columns = columns_.data() + begin;
+  const double* const columns = columns_.get() + begin;
   const Pair zero{}, one = both(1.0), tiny = both(kTiny), metres2 = both(metres2_), pixels = both(pixels_);
   const Pair near2 = both(0.25 * metres2_), from_x = both(e.x), from_y = both(e.y), dx = both(e.dx), dy = both(e.dy);
   const Pair inverse = both(e.inverse_length2);

@@ -4,8 +4,8 @@
 #include "patch_plane_clustering/core/corner_projection.h"
 
 #include <Eigen/Core>
+#include <memory>
 #include <utility>
-#include <vector>
 
 namespace ppc {
 
@@ -42,7 +42,7 @@ class OutlineExcess {
 
   std::size_t size_, stride_;
   double metres2_, pixels_;
-  std::vector<double> columns_;  // x, y of the points, of their row steps and of their column steps
+  std::unique_ptr<double[]> columns_;  // x, y of the points, of their row steps and of their column steps
 };
 
 }  // namespace ppc
