@@ -14,8 +14,12 @@ namespace ppc {
 inline int runEnd(const std::int32_t* labels, int begin, int limit) {
   const LaneMask label = fillMask(labels[begin]);
   int end = begin + 1;
+  const auto other = [&](int i) { return loadLanes<LaneMask>(labels + i) != label; };
+  for (; end + 4 * kLanes <= limit; end += 4 * kLanes) {  // most pixels are in long stretches
+    if (anyLane((other(end) | other(end + kLanes)) | (other(end + 2 * kLanes) | other(end + 3 * kLanes)))) break;
+  }
   for (; end + kLanes <= limit; end += kLanes) {
-    if (anyLane(loadLanes<LaneMask>(labels + end) != label)) break;
+    if (anyLane(other(end))) break;
   }
   while (end < limit && labels[end] == labels[begin]) ++end;
   return end;
