@@ -74,11 +74,15 @@ class PatchPlaneClustering : public nodelet::Nodelet {
     updater_ = std::make_unique<diagnostic_updater::Updater>(nh, private_nh, getName());
     updater_->setHardwareID("none");
     updater_->add("plane clustering", this, &PatchPlaneClustering::diagnose);
-    // Wall time, and forced: with simulated time and a clock that stands it still reports.
-    diagnostics_timer_ = nh.createWallTimer(ros::WallDuration(1.0), [this](const auto&) { updater_->force_update(); });
+    // Steady time, and forced: it reports while simulated time stands, and when the system's clock is set.
+    diagnostics_timer_ = nh.createSteadyTimer(ros::WallDuration(1.0), [this](const auto&) { updater_->force_update(); });
 
     image_subscriber_ = nh.subscribe("range_image", 2, &PatchPlaneClustering::onImage, this);
     cloud_subscriber_ = nh.subscribe("points_in", 2, &PatchPlaneClustering::onCloud, this);
+    if (cloud_subscriber_.getTopic() != points_publisher_.getTopic()) return;
+    cloud_subscriber_.shutdown();  // or it would segment its own clouds without end
+    misled_ = "points_in and segmented_points are both " + points_publisher_.getTopic() + "; clouds are not listened to";
+    NODELET_ERROR_STREAM(misled_);
   }
 
   void readParameters(const ros::NodeHandle& private_nh) {
@@ -115,6 +119,7 @@ class PatchPlaneClustering : public nodelet::Nodelet {
     if (!unknown_.empty()) status.add("Unknown parameters", unknown_);
     accounts_.write(std::chrono::duration<double>(now - last_report_).count(), status);
     last_report_ = now;
+    if (!misled_.empty()) status.mergeSummary(diagnostic_msgs::DiagnosticStatus::ERROR, misled_);
   }
 
   void reconfigure(PatchPlaneClusteringConfig& update) {
@@ -208,6 +213,7 @@ class PatchPlaneClustering : public nodelet::Nodelet {
 
   std::string method_name_;
   std::string unknown_;                     // parameters that nobody knows
+  std::string misled_;                      // why clouds are not listened to
   std::unique_ptr<PlaneSegmenter> method_;  // of the worker's thread
   RangeImage image_;  // of the worker's thread, like the grid: their memory serves the next message too
   BeamGrid grid_;
@@ -219,7 +225,7 @@ class PatchPlaneClustering : public nodelet::Nodelet {
   ImageAccounts accounts_;
   std::unique_ptr<diagnostic_updater::Updater> updater_;
   Clock::time_point last_report_ = Clock::now();
-  ros::WallTimer diagnostics_timer_;
+  ros::SteadyTimer diagnostics_timer_;
   std::optional<Clock::time_point> reported_;  // of the worker's thread
   ros::Publisher polygons_publisher_, markers_publisher_, labels_publisher_, points_publisher_, statistics_publisher_;
   ros::Subscriber image_subscriber_, cloud_subscriber_;

@@ -43,9 +43,9 @@ class SimulatedScanner : public nodelet::Nodelet {
     if (parameters_.publish_tf) tf_pub_ = nh.advertise<tf2_msgs::TFMessage>("/tf", 1000);
     if (parameters_.publish_clock) clock_pub_ = nh.advertise<rosgraph_msgs::Clock>("/clock", 1000);
     start_ = parameters_.publish_clock ? ros::Time(kClockStart) : ros::Time::now();
-    last_tick_ = ros::WallTime::now();
+    last_tick_ = ros::SteadyTime::now();
     const double period = 0.5 / (parameters_.scanner.joint_rate * parameters_.real_time_factor);
-    timer_ = nh.createWallTimer(ros::WallDuration(std::clamp(period, 0.001, 0.01)), &SimulatedScanner::tick, this);
+    timer_ = nh.createSteadyTimer(ros::WallDuration(std::clamp(period, 0.001, 0.01)), &SimulatedScanner::tick, this);
   }
 
   void readParameters() {
@@ -58,15 +58,15 @@ class SimulatedScanner : public nodelet::Nodelet {
     stream_ = std::make_unique<sim::ScanStream>(*scanner_, parameters_.replay_passes);
   }
 
-  void tick(const ros::WallTimerEvent& /*event*/) {
-    const ros::WallTime now = ros::WallTime::now();
+  void tick(const ros::SteadyTimerEvent& /*event*/) {
+    const ros::SteadyTime now = ros::SteadyTime::now();
     time_ += std::clamp((now - last_tick_).toSec(), 0.0, kLongestTick) * parameters_.real_time_factor;
     last_tick_ = now;
-    const ros::WallTime give_up = now + ros::WallDuration(kLongestTick);
+    const ros::SteadyTime give_up = now + ros::WallDuration(kLongestTick);
     while (stream_->nextTime() <= time_) {
       publish(stream_->next());
       // Rendering may be slower than asked for: simulated time then waits rather than let a backlog grow.
-      if (ros::WallTime::now() > give_up) time_ = std::min(time_, stream_->nextTime());
+      if (ros::SteadyTime::now() > give_up) time_ = std::min(time_, stream_->nextTime());
     }
   }
 
@@ -125,9 +125,9 @@ class SimulatedScanner : public nodelet::Nodelet {
   std::unique_ptr<sim::ScanStream> stream_;
   sim::Random faults_{0};
   ros::Publisher scan_pub_, joint_pub_, truth_pub_, tf_pub_, clock_pub_;
-  ros::WallTimer timer_;
+  ros::SteadyTimer timer_;
   ros::Time start_;
-  ros::WallTime last_tick_;
+  ros::SteadyTime last_tick_;
   double time_ = 0.0;  // simulated, since the start [s]
   std::deque<sim::JointSample> late_;
   std::vector<TruthRow> pass_;

@@ -12,12 +12,18 @@
 #include <sensor_msgs/JointState.h>
 #include <std_srvs/Trigger.h>
 #include <tf2_ros/transform_listener.h>
+#include <algorithm>
 #include <boost/algorithm/string/join.hpp>
 #include <limits>
 #include <memory>
 #include <pluginlib/class_list_macros.hpp>
 
 namespace ppc {
+namespace {
+
+constexpr std::size_t kLongestFault = 300;  // of what is cited: a frame_id may have any length
+
+}  // namespace
 
 /// Line scans and the tilt motor's angle in, organised range images out. All callbacks run in the nodelet's single-threaded
 /// queue; only tf has a thread of its own.
@@ -44,12 +50,12 @@ class TiltScanDriver : public nodelet::Nodelet {
     }
     for (const std::string& sentence : reader.errors()) NODELET_ERROR_STREAM(sentence);
 
-    last_report_ = last_scan_ = last_row_ = last_joint_ = last_sweep_ = ros::WallTime::now();
+    last_report_ = last_scan_ = last_row_ = last_joint_ = last_sweep_ = ros::SteadyTime::now();
     updater_ = std::make_unique<diagnostic_updater::Updater>(nh, getPrivateNodeHandle(), getName());
     updater_->setHardwareID("none");
     updater_->add("tilt scan driver", this, &TiltScanDriver::diagnose);
-    // Wall time, and forced: with simulated time and a clock that stands the driver still reports.
-    diagnostics_timer_ = nh.createWallTimer(ros::WallDuration(1.0), [this](const auto&) { updater_->force_update(); });
+    // Steady time, and forced: the driver reports while simulated time stands, and when the system's clock is set.
+    diagnostics_timer_ = nh.createSteadyTimer(ros::WallDuration(1.0), [this](const auto&) { updater_->force_update(); });
     if (!reader.errors().empty()) {
       refusal_ = "not running: " + reader.errors().front();
       NODELET_ERROR("The driver does not run with bad parameters");
@@ -68,7 +74,7 @@ class TiltScanDriver : public nodelet::Nodelet {
     points_pub_ = nh.advertise<sensor_msgs::PointCloud2>("points", 2);
     radial_pub_ = nh.advertise<sensor_msgs::Image>("range_image/image", 2);
     close_service_ = nh.advertiseService("close_sweep", &TiltScanDriver::closeSweep, this);
-    housekeeping_ = nh.createWallTimer(ros::WallDuration(0.05), [this](const auto&) { keepHouse(); });
+    housekeeping_ = nh.createSteadyTimer(ros::WallDuration(0.05), [this](const auto&) { keepHouse(); });
     const auto no_delay = ros::TransportHints().tcpNoDelay();
     if (poses_->joint()) joint_sub_ = nh.subscribe("joint_states", 500, &TiltScanDriver::onJoint, this, no_delay);
     scan_sub_ = nh.subscribe("scan", 200, &TiltScanDriver::onScan, this, no_delay);
@@ -78,8 +84,8 @@ class TiltScanDriver : public nodelet::Nodelet {
     const sensor_msgs::LaserScanConstPtr& scan = event.getConstMessage();
     ++health_.scans;
     sequence_.see(event.getPublisherName(), scan->header.seq);
-    last_scan_ = ros::WallTime::now();
-    std::string fault = secondPublisher(scan_publishers_, event, scan_sub_);
+    last_scan_ = ros::SteadyTime::now();
+    std::string fault = otherPublisher(scan_publishers_, event, scan_sub_);
     if (fault.empty()) fault = faultOf(*scan, poses_->laserFrame());
     if (fault.empty()) {
       if (poses_->laserFrame().empty()) poses_->setLaserFrame(frameName(scan->header.frame_id));
@@ -93,6 +99,7 @@ class TiltScanDriver : public nodelet::Nodelet {
       assembler_->countDropped(DropCause::kBadScan);
     }
     if (fault.empty()) return;
+    fault.resize(std::min(fault.size(), kLongestFault));
     health_.last_fault = "bad scan: " + fault;
     NODELET_WARN_STREAM_THROTTLE(5.0, "Scan skipped: " << fault);
   }
@@ -104,9 +111,9 @@ class TiltScanDriver : public nodelet::Nodelet {
       return;
     }
     ++health_.joint_samples;
-    last_joint_ = ros::WallTime::now();
-    const std::string second = secondPublisher(joint_publishers_, event, joint_sub_);
-    if (!second.empty()) sample.fault = "joint '" + options_.joint_name + "' is " + second;
+    last_joint_ = ros::SteadyTime::now();
+    const std::string other = otherPublisher(joint_publishers_, event, joint_sub_);
+    if (!other.empty()) sample.fault = "joint '" + options_.joint_name + "' is " + other;
     if (!sample.fault.empty()) {
       ++health_.bad_joint_messages;
       health_.last_fault = sample.fault;
@@ -117,27 +124,25 @@ class TiltScanDriver : public nodelet::Nodelet {
     placeLines();
   }
 
-  /// What is wrong if the message is not of the publisher that this topic was taken from so far.
   template <typename Event>
-  static std::string secondPublisher(PublisherWatch& watch, const Event& event, const ros::Subscriber& subscriber) {
-    const std::string& name = event.getPublisherName();
-    if (watch.accepts(name, ros::WallTime::now().toSec(), static_cast<int>(subscriber.getNumPublishers()))) return {};
-    return "published by " + name + " too, but those of " + watch.kept() + " are used";
+  static std::string otherPublisher(PublisherWatch& watch, const Event& event, const ros::Subscriber& subscriber) {
+    return watch.faultOf(event.getPublisherName(), ros::SteadyTime::now().toSec(),
+                         static_cast<int>(subscriber.getNumPublishers()));
   }
 
   void placeLines() {
-    const bool late = !first_scan_.isZero() && (ros::WallTime::now() - first_scan_).toSec() > options_.mount_timeout;
+    const bool late = !first_scan_.isZero() && (ros::SteadyTime::now() - first_scan_).toSec() > options_.mount_timeout;
     const std::string settled = poses_->settleMount(late);
     if (!settled.empty()) NODELET_INFO_STREAM("The " << settled);
     assembler_->process();
     if (assembler_->lastPlaced() == last_placed_) return;
     last_placed_ = assembler_->lastPlaced();
-    last_row_ = ros::WallTime::now();
+    last_row_ = ros::SteadyTime::now();
   }
 
   void keepHouse() {
     placeLines();
-    const bool idle = (ros::WallTime::now() - last_row_).toSec() > options_.idle_timeout;
+    const bool idle = (ros::SteadyTime::now() - last_row_).toSec() > options_.idle_timeout;
     if (idle && assembler_->openLines() > 0) assembler_->close(SweepEnd::kIdle);
   }
 
@@ -152,7 +157,7 @@ class TiltScanDriver : public nodelet::Nodelet {
   }
 
   void publish(const Sweep& sweep) {
-    last_sweep_ = ros::WallTime::now();
+    last_sweep_ = ros::SteadyTime::now();
     if (assembler_->accounts().sweeps == 1) {
       NODELET_INFO("The first sweep has %d lines of %d beams", sweep.image.rows, sweep.image.cols);
     }
@@ -174,7 +179,7 @@ class TiltScanDriver : public nodelet::Nodelet {
 
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     if (!assembler_) return status.summary(diagnostic_msgs::DiagnosticStatus::ERROR, refusal_);
-    const ros::WallTime now = ros::WallTime::now();
+    const ros::SteadyTime now = ros::SteadyTime::now();
     health_.scan_topic = scan_sub_.getTopic();
     health_.joint_topic = joint_sub_.getTopic();
     health_.joint_name = options_.joint_name;
@@ -226,12 +231,12 @@ class TiltScanDriver : public nodelet::Nodelet {
   DriverHealth health_;
   DriverDiagnostics diagnostics_;
   std::unique_ptr<diagnostic_updater::Updater> updater_;
-  ros::WallTime first_scan_, last_scan_, last_row_, last_joint_, last_sweep_, last_report_;
+  ros::SteadyTime first_scan_, last_scan_, last_row_, last_joint_, last_sweep_, last_report_;
 
   ros::Publisher image_pub_, points_pub_, radial_pub_;
   ros::ServiceServer close_service_;
   ros::Subscriber scan_sub_, joint_sub_;
-  ros::WallTimer housekeeping_, diagnostics_timer_;
+  ros::SteadyTimer housekeeping_, diagnostics_timer_;
 };
 
 }  // namespace ppc

@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/tilt_pose_source.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -12,9 +13,9 @@ namespace ppc {
 DriverOptions readDriverOptions(ParameterReader& reader) {
   DriverOptions o;
   o.joint_name = reader.getString("joint_name", o.joint_name);
-  o.base_frame = reader.getString("base_frame", o.base_frame);
-  o.laser_frame = reader.getString("laser_frame", o.laser_frame);
-  o.fixed_frame = reader.getString("fixed_frame", o.fixed_frame);
+  o.base_frame = reader.getFrame("base_frame", o.base_frame);
+  o.laser_frame = reader.getFrame("laser_frame", o.laser_frame);
+  o.fixed_frame = reader.getFrame("fixed_frame", o.fixed_frame);
   o.axis = tiltAxis(reader.getChoice("axis", "pitch", {"roll", "pitch", "yaw", "-roll", "-pitch", "-yaw"}));
 
   const std::string motion = reader.getChoice("motion", "nodding", {"nodding", "spinning"});
@@ -24,8 +25,9 @@ DriverOptions readDriverOptions(ParameterReader& reader) {
                                        : SweepMotion::kFullTurn;
   o.sweep.turn_hysteresis = reader.getDouble("turn_hysteresis", o.sweep.turn_hysteresis, 1e-4, 1.0);
   o.sweep.poses_per_row = reader.getInt("poses_per_row", o.sweep.poses_per_row, 1, 1000);
-  o.sweep.min_lines = reader.getInt("min_lines", o.sweep.min_lines, 1, 100000);
   o.sweep.max_lines = reader.getInt("max_lines", o.sweep.max_lines, 2, 100000);
+  // More than that, and every sweep would be too small.
+  o.sweep.min_lines = reader.getInt("min_lines", std::min(o.sweep.min_lines, o.sweep.max_lines), 1, o.sweep.max_lines);
   o.sweep.min_tilt_span = reader.getDouble("min_tilt_span", o.sweep.min_tilt_span, 0.0, 6.3);
   o.sweep.max_line_gap = reader.getDouble("max_line_gap", o.sweep.max_line_gap, 0.01, 3600.0);
   o.sweep.standing_lines = reader.getInt("standing_lines", o.sweep.standing_lines, 2, 100000);

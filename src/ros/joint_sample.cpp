@@ -13,6 +13,8 @@ JointSample readJointSample(const sensor_msgs::JointState& message, const std::s
   if (!sample.present) return sample;
   if (message.header.stamp.isZero()) {
     sample.fault = "joint sample without stamp";
+  } else if (std::find(found + 1, message.name.end(), joint) != message.name.end()) {
+    sample.fault = "joint '" + joint + "' is there twice in one message";
   } else if (message.position.size() != message.name.size()) {
     sample.fault = "as many joint positions as names expected (" + std::to_string(message.position.size()) + " and " +
                    std::to_string(message.name.size()) + ")";

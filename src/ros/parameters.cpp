@@ -88,6 +88,14 @@ std::string ParameterReader::getString(const std::string& name, const std::strin
   return value;
 }
 
+std::string ParameterReader::getFrame(const std::string& name, const std::string& value) {
+  const std::string given = getString(name, value);
+  std::string frame = !given.empty() && given[0] == '/' ? given.substr(1) : given;
+  if (!frame.empty() || (given.empty() && value.empty())) return frame;
+  complain(name, XmlRpcValue(given), "the name of a frame");
+  return value;
+}
+
 std::string ParameterReader::getChoice(const std::string& name, const std::string& value,
                                        const std::vector<std::string>& choices) {
   auto found = find(name);

@@ -17,4 +17,9 @@ bool PublisherWatch::accepts(const std::string& publisher, double now, int publi
   return true;
 }
 
+std::string PublisherWatch::faultOf(const std::string& publisher, double now, int publishers) {
+  if (accepts(publisher, now, publishers)) return {};
+  return "published by " + publisher + " too, but that of " + kept_ + " is used";
+}
+
 }  // namespace ppc

@@ -48,8 +48,8 @@ SimulatedScannerParameters readSimulatedScannerParameters(ParameterReader& reade
   p.scanner.joint_rate = reader.getDouble("joint_rate", p.scanner.joint_rate, 1.0, 10000.0);
   p.scanner.errors = readErrors(reader);
 
-  p.names.base_frame = reader.getString("base_frame", p.names.base_frame);
-  p.names.laser_frame = reader.getString("laser_frame", p.names.laser_frame);
+  p.names.base_frame = reader.getFrame("base_frame", p.names.base_frame);
+  p.names.laser_frame = reader.getFrame("laser_frame", p.names.laser_frame);
   p.names.joint = reader.getString("joint_name", p.names.joint);
   p.real_time_factor = reader.getDouble("real_time_factor", p.real_time_factor, 0.001, 1000.0);
   p.replay_passes = reader.getInt("replay_passes", p.replay_passes, 0, 1000);

@@ -10,6 +10,7 @@
 #include <xmlrpcpp/XmlRpcClient.h>
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -26,8 +27,12 @@ class NodeletManager {
   NodeletManager& operator=(const NodeletManager&) = delete;
 
   /// `nodelet` with its namespace, which is where its topics are.
-  bool load(const std::string& nodelet, const std::string& type) {
+  bool load(const std::string& nodelet, const std::string& type, const std::map<std::string, std::string>& remappings = {}) {
     nodelet::NodeletLoad call;
+    for (const auto& [from, to] : remappings) {
+      call.request.remap_source_args.push_back(from);
+      call.request.remap_target_args.push_back(to);
+    }
     call.request.name = nodelet;
     call.request.type = "patch_plane_clustering/" + type;
     const std::string service = name_ + "/load_nodelet";

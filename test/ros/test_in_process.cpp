@@ -2,6 +2,7 @@
 // All nodelets in the test's own process, so that a sanitizer sees every thread: sweeps in flight, reconfiguration,
 // unloading.
 #include "patch_plane_clustering/ros/messages.h"
+#include "ros_test_main.h"
 #include "scan_player.h"
 #include "test_scenes.h"
 #include "wait_for.h"
@@ -173,6 +174,112 @@ TEST(InProcess, FaultsInFlight) {
   for (const char* name : {"/faults/driver", "/faults/ppc"}) EXPECT_TRUE(loader.unload(name));
 }
 
+std::vector<std::function<void(RangeImageMsg&)>> imageSpoilers() {
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  return {
+      [](auto& m) { std::swap(m.height, m.width); },
+      [](auto& m) { m.height = m.width = 65536; },
+      [](auto& m) { m.poses_per_row = 0; },
+      [](auto& m) { m.poses_per_row = 0xFFFFFFFFU; },
+      [](auto& m) { m.line_poses.pop_back(); },
+      [](auto& m) { std::reverse(m.line_poses.begin(), m.line_poses.end()); },
+      [](auto& m) { std::rotate(m.line_poses.begin(), m.line_poses.begin() + 40, m.line_poses.end()); },
+      [](auto& m) { std::fill(m.line_poses.begin(), m.line_poses.end(), m.line_poses.front()); },
+      [](auto& m) { m.line_poses[5].position.x = 1e30; },
+      [](auto& m) { m.line_poses[5].position.x = 1e300; },
+      [](auto& m) { m.line_poses[5].orientation = geometry_msgs::Quaternion(); },
+      [](auto& m) { m.bearing_increment = 1e-30F; },
+      [](auto& m) { m.bearing_increment = 1e30F; },
+      [](auto& m) { m.bearing_increment *= -1.0F; },
+      [](auto& m) { m.bearing_min = 1e30F; },
+      [](auto& m) { std::swap(m.range_min, m.range_max); },
+      [=](auto& m) { m.range_max = nan; },
+      [=](auto& m) { m.range_max = inf; },
+      [](auto& m) { m.range_min = -1e30F; },
+      [=](auto& m) { std::fill(m.tilts.begin(), m.tilts.end(), nan); },
+      [](auto& m) { m.row_stamps.assign(3, ros::Time()); },
+      [](auto& m) { m.intensities.assign(7, 0.0F); },
+      [](auto& m) { std::fill(m.ranges.begin(), m.ranges.end(), 1e38F); },
+      [](auto& m) { std::fill(m.ranges.begin(), m.ranges.end(), 1e-38F); },
+      [=](auto& m) {
+        for (std::size_t i = 0; i < m.ranges.size(); ++i) m.ranges[i] = i % 3 == 0 ? nan : i % 3 == 1 ? -inf : 1e20F;
+      },
+      [](auto& m) { m.header.frame_id.assign(1000000, '\xff'); },
+  };
+}
+
+std::vector<std::function<void(sensor_msgs::PointCloud2&)>> cloudSpoilers() {
+  const auto fill = [](sensor_msgs::PointCloud2& cloud, float value) {
+    for (sensor_msgs::PointCloud2Iterator<float> x(cloud, "x"); x != x.end(); ++x) *x = value;
+  };
+  return {
+      [](auto& c) { c.point_step = 0; },
+      [](auto& c) { c.point_step = 0xFFFFFFFFU; },
+      [](auto& c) { c.row_step = 0; },
+      [](auto& c) { c.row_step = 0xFFFFFFFFU; },
+      [](auto& c) { c.height = c.width = 65536; },
+      [](auto& c) { c.is_bigendian = !c.is_bigendian; },
+      [](auto& c) { c.fields.clear(); },
+      [](auto& c) { c.fields[3].name = "X"; },
+      [](auto& c) { c.fields[3].offset = 0xFFFFFFFCU; },
+      [](auto& c) { c.fields[3].datatype = sensor_msgs::PointField::FLOAT64; },  // of bytes that are none
+      [](auto& c) { c.fields[3].datatype = 77; },
+      [](auto& c) { c.fields[3].count = 0xFFFFFFFFU; },
+      [](auto& c) { c.fields[1].offset = c.fields[2].offset = c.fields[3].offset; },
+      [](auto& c) { c.data.resize(c.data.size() / 2); },
+      [](auto& c) { c.data.clear(); },
+      [](auto& c) { std::fill(c.data.begin(), c.data.end(), std::uint8_t{0}); },
+      [](auto& c) { std::fill(c.data.begin(), c.data.end(), std::uint8_t{0xFF}); },
+      [=](auto& c) { fill(c, 1e30F); },
+      [=](auto& c) { fill(c, std::numeric_limits<float>::denorm_min()); },
+      [=](auto& c) { fill(c, -std::numeric_limits<float>::infinity()); },
+  };
+}
+
+TEST(InProcess, SpoiltImagesAndCloudsMakeNoFalsePolygons) {
+  ros::NodeHandle nh;
+  nodelet::Loader loader(false);
+  ASSERT_TRUE(loader.load("/ppc", "patch_plane_clustering/PatchPlaneClustering", {}, {}));
+  Results results(nh);
+  std::size_t bad_vertices = 0;
+  const auto vertices = nh.subscribe<PlanarPolygonArray>("/polygons", 100, [&](const auto& array) {
+    for (const PlanarPolygonMsg& polygon : array->polygons) {
+      bad_vertices += polygon.outer.points.size() < 3;
+      for (const auto& p : polygon.outer.points)
+        bad_vertices += !std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z);
+    }
+  });
+  const ros::Publisher images = nh.advertise<RangeImageMsg>("/range_image", 5);
+  const ros::Publisher clouds = nh.advertise<sensor_msgs::PointCloud2>("/points_in", 5);
+  ASSERT_TRUE(waitFor([&] {
+    return images.getNumSubscribers() == 1 && clouds.getNumSubscribers() == 1 && vertices.getNumPublishers() == 1 &&
+           results.polygons_sub.getNumPublishers() == 1 && results.statistics_sub.getNumPublishers() == 1;
+  }));
+  double stamp = 3000.0;
+  std::uint32_t sent = 0;
+  const auto check = [&](const ros::Publisher& publisher, const auto& good, const auto& spoilers) {
+    for (std::size_t i = 0; i < spoilers.size(); ++i) {
+      auto bad = good;
+      bad.header.stamp = ros::Time(stamp + 0.5);
+      spoilers[i](bad);
+      publisher.publish(bad);
+      waitFor([] { return false; }, 0.05);  // it is taken up before the next overtakes it
+      auto next = good;
+      next.header.stamp = ros::Time(++stamp);
+      publisher.publish(next);
+      ASSERT_TRUE(waitFor([&] { return results.stamps.count(stamp) > 0; })) << "after spoiler " << i;
+      sent += 2;
+    }
+  };
+  check(images, scanMessage({plate()}, 1.0), imageSpoilers());
+  check(clouds, cameraCloud(1.0), cloudSpoilers());
+  EXPECT_TRUE(waitFor([&] { return results.received == sent; }));
+  EXPECT_EQ(results.stamps.size() + results.skipped, sent);
+  EXPECT_GE(results.skipped, 20U);
+  EXPECT_EQ(bad_vertices, 0U);
+  EXPECT_TRUE(loader.unload("/ppc"));
+}
+
 TEST(InProcess, AllNodeletsUnloadedWhileTheyWork) {
   ros::NodeHandle nh;
   nodelet::Loader loader(false);
@@ -195,9 +302,4 @@ TEST(InProcess, AllNodeletsUnloadedWhileTheyWork) {
 }  // namespace
 }  // namespace ppc
 
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "test_in_process");
-  const ros::NodeHandle keeps_ros_alive;
-  return RUN_ALL_TESTS();
-}
+int main(int argc, char** argv) { return ppc::runRosTests(argc, argv, "test_in_process"); }

@@ -31,6 +31,9 @@ TEST(JointSample, whatIsIncompleteIsNamed) {
   m = message();
   m.header.stamp = ros::Time();
   EXPECT_EQ(readJointSample(m, "tilt").fault, "joint sample without stamp");
+  m = message();
+  m.name[0] = "tilt";  // which of the two angles?
+  EXPECT_EQ(readJointSample(m, "tilt").fault, "joint 'tilt' is there twice in one message");
 }
 
 }  // namespace

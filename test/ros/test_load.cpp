@@ -4,6 +4,7 @@
 #include "nodelet_manager.h"
 #include "patch_plane_clustering/ros/messages.h"
 #include "patch_plane_clustering/ros/reconfiguration.h"
+#include "ros_test_main.h"
 #include "wait_for.h"
 
 #include <diagnostic_msgs/DiagnosticArray.h>
@@ -285,9 +286,4 @@ TEST_F(Load, memoryStaysFlatOverManyLines) {
 }  // namespace
 }  // namespace ppc
 
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "test_load");
-  ros::start();
-  return RUN_ALL_TESTS();
-}
+int main(int argc, char** argv) { return ppc::runRosTests(argc, argv, "test_load"); }

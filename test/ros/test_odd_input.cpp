@@ -2,11 +2,13 @@
 // Input that is odd though no field of it is wrong, and a system that is: lasers upside down, of one beam, with a cap on;
 // clocks that disagree; requests without end; a manager that is suspended. All this with simulated time and no clock.
 #include "fault_rig.h"
+#include "ros_test_main.h"
 #include "stray.h"
 
 #include <std_srvs/Trigger.h>
 #include <csignal>
 #include <limits>
+#include <map>
 
 namespace ppc {
 namespace {
@@ -155,6 +157,106 @@ TEST_F(OddInput, requestsToCloseTheSweepWithoutEndLoseNoLineUncounted) {
   EXPECT_GT(drops("sweep too small"), 50);
 }
 
+TEST_F(OddInput, oneStampForAllScansMakesOneLineAndIsTold) {
+  player.send_scan = [&](auto scan) {
+    scan.header.stamp = ros::Time(kStart + 1.0);
+    player.publishScan(scan);
+  };
+  start();
+  player.play(kStart, kStart + 4.0);
+  ASSERT_TRUE(settle());
+  EXPECT_EQ(drops("duplicate stamp"), player.scans_sent - 1);
+  EXPECT_TRUE(player.images.empty());
+  player.send_scan = [&](const auto& scan) { player.publishScan(scan); };
+  player.play(kStart + 4.0, kStart + 10.4);
+  ASSERT_TRUE(waitForImages(3));
+  expectSound();
+}
+
+TEST_F(OddInput, aJointThatIsTwiceInOneMessageMovesNoRow) {
+  std::size_t n = 0;
+  player.send_joint = [&](auto sample) {
+    if (++n % 4 == 0) {  // which of the two?
+      sample.name.insert(sample.name.begin(), "tilt_joint");
+      sample.position.insert(sample.position.begin(), sample.position.back() + 0.01);
+    }
+    player.publishJoint(sample);
+  };
+  start();
+  player.play(kStart, kStart + 4.4);
+  ASSERT_TRUE(waitForImages(2));
+  expectSound();
+  EXPECT_EQ(player.diagnosed("Joint messages rejected: incomplete"), static_cast<double>(n / 4));
+  EXPECT_EQ(player.linesDropped(), 0.0);
+}
+
+TEST_F(OddInput, framesWithASlashAsTfWroteThemAreTheSame) {
+  set("driver/base_frame", "/" + ns_.substr(1) + "_base");
+  set("driver/laser_frame", "/" + ns_.substr(1) + "_laser");
+  std::size_t n = 0;
+  player.send_scan = [&](auto scan) {
+    if (++n % 2 == 0) scan.header.frame_id.insert(0, "/");
+    player.publishScan(scan);
+  };
+  start();
+  player.play(kStart, kStart + 4.4);
+  ASSERT_TRUE(waitForImages(2));
+  expectSound();
+  EXPECT_EQ(player.images[0]->header.frame_id, ns_.substr(1) + "_base");
+  EXPECT_EQ(player.linesDropped(), 0.0);
+}
+
+TEST_F(OddInput, nodeletsLoadedTwiceOnTheSameTopicsGiveAllTwiceAndTheSame) {
+  start();
+  for (const char* parameter : {"joint_name", "base_frame"}) {
+    std::string value;
+    ASSERT_TRUE(ros::param::get(ns_ + "/driver/" + parameter, value));
+    set(std::string("other_driver/") + parameter, value);
+  }
+  set("other_driver/lever_arm", std::vector<double>{0.05, -0.01, 0.08});
+  NodeletManager manager("/manager");
+  ASSERT_TRUE(manager.load(ns_ + "/other_driver", "TiltScanDriver"));
+  player.play(kStart, kStart + 6.4);
+  ASSERT_TRUE(waitForImages(6));
+  ASSERT_TRUE(settle());
+  std::map<ros::Time, std::vector<RangeImageMsg::ConstPtr>> twins;
+  for (const auto& image : player.images) twins[image->header.stamp].push_back(image);
+  std::size_t both = 0;
+  for (const auto& [stamp, images] : twins) {
+    ASSERT_LE(images.size(), 2U);
+    if (images.size() < 2) continue;  // the second had not yet heard of the first lines
+    ++both;
+    EXPECT_EQ(images[0]->ranges, images[1]->ranges);
+    EXPECT_EQ(images[0]->tilts, images[1]->tilts);
+  }
+  EXPECT_GE(both, 2U);
+  for (const auto& cloud : player.clouds) EXPECT_LT(worstPoint(*cloud), 0.002);
+  EXPECT_EQ(player.linesDropped(), 0.0);
+}
+
+TEST_F(OddInput, aNodeletThatWouldHearItselfDoesNotListen) {
+  std::map<std::string, std::string> onto_each_other = {{ns_ + "/points_in", ns_ + "/loop"},
+                                                        {ns_ + "/segmented_points", ns_ + "/loop"}};
+  NodeletManager manager("/manager");
+  ASSERT_TRUE(manager.load(ns_ + "/loop_ppc", "PatchPlaneClustering", onto_each_other));
+  start();
+  std::string told;
+  std::size_t clouds = 0;
+  const auto diagnostics = nh_.subscribe<diagnostic_msgs::DiagnosticArray>("/diagnostics", 50, [&](const auto& array) {
+    for (const auto& status : array->status) {
+      if (status.name == ns_.substr(1) + "/loop_ppc: plane clustering") told = status.message;
+    }
+  });
+  const auto loop = nh_.subscribe<sensor_msgs::PointCloud2>(ns_ + "/loop", 50, [&](const auto&) { ++clouds; });
+  ASSERT_TRUE(waitFor([&] { return told.find("points_in and segmented_points are both") != std::string::npos; })) << told;
+  ASSERT_TRUE(waitFor([&] { return loop.getNumPublishers() > 0; }));
+  player.play(kStart, kStart + 4.4);
+  ASSERT_TRUE(waitForImages(2));
+  ASSERT_TRUE(waitFor([&] { return clouds >= 2; }));
+  player.play(kStart + 4.4, kStart + 5.4);
+  EXPECT_LE(clouds, player.images.size());  // one for each image, none for a cloud
+}
+
 TEST_F(OddInput, aTopicOfAnotherTypeDisturbsNobody) {
   start();
   const Stray words(ns_ + "/scan", "std_msgs/String", "{data: a scan}");
@@ -191,9 +293,4 @@ TEST_F(OddInput, aManagerThatWasSuspendedGoesOnAndCountsWhatItMissed) {
 }  // namespace
 }  // namespace ppc
 
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "test_odd_input");
-  ros::start();
-  return RUN_ALL_TESTS();
-}
+int main(int argc, char** argv) { return ppc::runRosTests(argc, argv, "test_odd_input"); }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/ros/parameters.h"
+#include "ros_test_main.h"
 
 #include <gtest/gtest.h>
 #include <ros/ros.h>
@@ -33,6 +34,8 @@ TEST(Parameters, GoodValuesAreRead) {
   EXPECT_EQ(config.min_size, 100);  // and 100.0 is whole
   EXPECT_EQ(config.sigma_distance, Config().sigma_distance);
   EXPECT_EQ(reader.getChoice("method", "ppc", kMethods), "ransac");
+  EXPECT_EQ(reader.getFrame("base_frame", "base"), "tilt_base");  // as tf wrote it: with a slash
+  EXPECT_EQ(reader.getFrame("fixed_frame", ""), "");
   EXPECT_EQ(reader.getVector("lever_arm", {0.0, 0.0, 0.0}), (std::vector<double>{0.0, 0.5, -1.0}));
   EXPECT_TRUE(reader.errors().empty()) << reader.errors().front();
   EXPECT_TRUE(reader.unknown().empty()) << reader.unknown().front();
@@ -44,9 +47,11 @@ TEST(Parameters, BadValuesAreNamedAndTheDefaultIsKept) {
   for (const ConfigField& field : configFields()) EXPECT_EQ(field.get(config), field.get(Config())) << field.name;
   EXPECT_EQ(reader.getChoice("method", "ppc", kMethods), "ppc");
   EXPECT_EQ(reader.getString("name", "laser"), "laser");
+  EXPECT_EQ(reader.getFrame("base_frame", "base"), "base");
+  EXPECT_EQ(reader.getFrame("laser_frame", ""), "");
   EXPECT_EQ(reader.getVector("lever_arm", {1.0, 2.0, 3.0}), (std::vector<double>{1.0, 2.0, 3.0}));
   const auto& errors = reader.errors();
-  EXPECT_EQ(errors.size(), 8U);
+  EXPECT_EQ(errors.size(), 10U);
   expectContains(about(errors, "patch_size"), "= 1000 is not a whole number in [2, 64]");
   expectContains(about(errors, "sigma_angle"), "= wide is not a number in [0.001, 1]");
   expectContains(about(errors, "refine"), "= 2 is not true or false");
@@ -54,6 +59,8 @@ TEST(Parameters, BadValuesAreNamedAndTheDefaultIsKept) {
   expectContains(about(errors, "similarity_threshold"), "= nan is not a number in [0.001, 0.999]");
   expectContains(about(errors, "method"), "= magic is not one of ppc, ransac");
   expectContains(about(errors, "name"), "= 3 is not a text");
+  expectContains(about(errors, "base_frame"), "=  is not the name of a frame");
+  expectContains(about(errors, "laser_frame"), "= / is not the name of a frame");
   expectContains(about(errors, "lever_arm"), "is not a list of 3 finite numbers");
 }
 
@@ -76,8 +83,4 @@ TEST(Parameters, AnEmptyNamespaceGivesTheDefaults) {
 }  // namespace
 }  // namespace ppc
 
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "test_parameters");
-  return RUN_ALL_TESTS();
-}
+int main(int argc, char** argv) { return ppc::runRosTests(argc, argv, "test_parameters"); }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The nodelet from outside: what is published for what comes in.
 #include "patch_plane_clustering/ros/messages.h"
+#include "ros_test_main.h"
 #include "test_scenes.h"
 #include "wait_for.h"
 
@@ -331,8 +332,4 @@ TEST_F(PatchPlaneClusteringTest, UnloadAndLoadUnderTraffic) {
 }  // namespace
 }  // namespace ppc
 
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "test_patch_plane_clustering");
-  return RUN_ALL_TESTS();
-}
+int main(int argc, char** argv) { return ppc::runRosTests(argc, argv, "test_patch_plane_clustering"); }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A recording in a loop, as `rosbag play --loop --clock` plays it, tuned from the command line meanwhile.
+#include "nodelet_manager.h"
+#include "ros_test_main.h"
 #include "scan_player.h"
 
 #include <gtest/gtest.h>
@@ -134,14 +136,26 @@ TEST(Playback, aLoopingBagGivesTheSameSweepsAgainAndIsTunedMeanwhile) {
   const std::size_t before = statistics.size();
   ASSERT_TRUE(waitFor([&] { return statistics.size() >= before + 4; }, 20.0));
   EXPECT_GE(statistics.back()->polygons, 3U);  // the walls are still there
+
+  // The manager dies at work: it comes back, and finds the recording, which goes on meanwhile.
+  const NodeletManager manager("/manager");
+  const int process = manager.process();
+  ASSERT_GT(process, 1);
+  ASSERT_EQ(kill(process, SIGKILL), 0);
+  ASSERT_TRUE(waitFor([&] { return manager.process() > 1 && manager.process() != process; }, 40.0));
+  images.clear();
+  statistics.clear();
+  ASSERT_TRUE(waitFor([&] { return images.size() >= 3 && !statistics.empty() && statistics.back()->polygons >= 3; }, 60.0));
+  for (const auto& image : images) {
+    EXPECT_LE(image->height, 83U);
+    for (std::size_t r = 0; r < image->height; ++r) {
+      EXPECT_NEAR(image->tilts[r], player.tilt(image->row_stamps[r].toSec() + 0.0075), 1e-3);
+    }
+  }
   std::remove(file.c_str());
 }
 
 }  // namespace
 }  // namespace ppc
 
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "test_playback");
-  return RUN_ALL_TESTS();
-}
+int main(int argc, char** argv) { return ppc::runRosTests(argc, argv, "test_playback"); }

@@ -13,6 +13,8 @@ TEST(PublisherWatch, keepsToTheFirstWhileItSpeaks) {
     EXPECT_FALSE(watch.accepts("/dummy", 10.05 + 0.1 * i, 2));
   }
   EXPECT_EQ(watch.kept(), "/motor");
+  EXPECT_EQ(watch.faultOf("/motor", 20.0, 2), "");
+  EXPECT_EQ(watch.faultOf("/dummy", 20.1, 2), "published by /dummy too, but that of /motor is used");
 }
 
 TEST(PublisherWatch, goesOverToAnotherOnceTheFirstIsGone) {

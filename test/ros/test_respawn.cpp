@@ -2,6 +2,7 @@
 // A nodelet manager that is killed comes back, and polygons with it.
 #include "nodelet_manager.h"
 #include "patch_plane_clustering/ros/messages.h"
+#include "ros_test_main.h"
 #include "wait_for.h"
 
 #include <gtest/gtest.h>
@@ -32,8 +33,4 @@ TEST(Respawn, aKilledManagerComesBackAndSweepsGoOn) {
 }  // namespace
 }  // namespace ppc
 
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "test_respawn");
-  return RUN_ALL_TESTS();
-}
+int main(int argc, char** argv) { return ppc::runRosTests(argc, argv, "test_respawn"); }

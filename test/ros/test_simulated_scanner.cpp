@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The nodelet's topics against the simulator that it is made of.
 #include "patch_plane_clustering/sim/scanner.h"
+#include "ros_test_main.h"
 #include "wait_for.h"
 
 #include <gtest/gtest.h>
@@ -101,9 +102,4 @@ TEST(SimulatedScanner, WrongParametersKeepItFromStarting) {
 }  // namespace
 }  // namespace ppc
 
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "test_simulated_scanner");
-  ros::NodeHandle node;
-  return RUN_ALL_TESTS();
-}
+int main(int argc, char** argv) { return ppc::runRosTests(argc, argv, "test_simulated_scanner"); }

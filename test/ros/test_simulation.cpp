@@ -2,6 +2,7 @@
 // launch/simulation.launch from end to end: the polygons of every sweep lie on the faces of the simulated box.
 #include "patch_plane_clustering/ros/messages.h"
 #include "patch_plane_clustering/sim/scene.h"
+#include "ros_test_main.h"
 
 #include <gtest/gtest.h>
 #include <ros/ros.h>
@@ -73,8 +74,4 @@ TEST(Simulation, PolygonsOfEverySweepLieOnTheFacesOfTheBox) {
 }  // namespace
 }  // namespace ppc
 
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "test_simulation");
-  return RUN_ALL_TESTS();
-}
+int main(int argc, char** argv) { return ppc::runRosTests(argc, argv, "test_simulation"); }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Faults of sensor, joint and clock, injected on the topics; what is judged is what comes out.
 #include "fault_rig.h"
+#include "ros_test_main.h"
 #include "stray.h"
 
 #include <deque>
@@ -321,6 +322,8 @@ TEST_F(SweepFaults, badFieldsAreRefusedOneByOne) {
       [inf](auto& s) { s.angle_increment = inf; },
       [](auto& s) { s.angle_increment = 0.0F; },
       [](auto& s) { s.angle_increment *= 100.0F; },
+      [](auto& s) { s.angle_increment *= -1.0F; },
+      [](auto& s) { std::swap(s.angle_min, s.angle_max); },
       [nan](auto& s) { s.angle_min = nan; },
       [inf](auto& s) { s.angle_min = -inf; },
       [inf](auto& s) { s.angle_max = inf; },
@@ -332,8 +335,10 @@ TEST_F(SweepFaults, badFieldsAreRefusedOneByOne) {
       [](auto& s) { s.range_min = -1.0F; },
       [nan](auto& s) { s.range_max = nan; },
       [](auto& s) { s.range_max = 0.0F; },
+      [](auto& s) { std::swap(s.range_min, s.range_max); },
       [](auto& s) { s.header.stamp = ros::Time(); },
       [](auto& s) { s.header.frame_id = "elsewhere"; },
+      [](auto& s) { s.header.frame_id.assign(1000000, 'x'); },
       [](auto& s) { s.header.frame_id.clear(); },
   };
   std::size_t n = 0;
@@ -537,9 +542,4 @@ TEST_F(TfFaults, aFixedFrameThatNobodyPublishesIsTold) {
 }  // namespace
 }  // namespace ppc
 
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "test_sweep_faults");
-  ros::start();
-  return RUN_ALL_TESTS();
-}
+int main(int argc, char** argv) { return ppc::runRosTests(argc, argv, "test_sweep_faults"); }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "ros_test_main.h"
 #include "scan_player.h"
 
 #include <gtest/gtest.h>
@@ -372,9 +373,4 @@ TEST(TiltScanDriver, aMisspeltParameterIsReportedByName) {
 }  // namespace
 }  // namespace ppc
 
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "test_tilt_scan_driver");
-  ros::start();
-  return RUN_ALL_TESTS();
-}
+int main(int argc, char** argv) { return ppc::runRosTests(argc, argv, "test_tilt_scan_driver"); }

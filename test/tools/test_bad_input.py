@@ -370,6 +370,9 @@ class Bags(WithFolder):
                 for image, (rows, _) in zip(images, sizes):
                     self.assertAlmostEqual(image["rows"], rows, delta=1)
 
+    def test_limits_that_no_sweep_can_keep(self):
+        self.assert_fails(ppc("segment", self.bag, "--min-lines", 50, "--max-lines", 30), "--min-lines 50 exceeds --max-lines 30")
+
     def test_outputs_that_cannot_be(self):
         (self.folder / "folder.bag").mkdir()
         self.assert_fails(ppc("bag", self.bag, self.folder / "folder.bag"), "folder.bag", "is a directory")

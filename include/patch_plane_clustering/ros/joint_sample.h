@@ -14,7 +14,8 @@ struct JointSample {
   double angle = 0.0;    ///< [rad], any value
 };
 
-/// @brief Reads the angle of `joint`. Positions that are not as many as the names, and a zero stamp, are faults.
+/// @brief Reads the angle of `joint`. Positions that are not as many as the names, a joint that is
+/// named twice, and a zero stamp are faults.
 JointSample readJointSample(const sensor_msgs::JointState& message, const std::string& joint);
 
 }  // namespace ppc

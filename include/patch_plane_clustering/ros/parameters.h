@@ -24,6 +24,8 @@ class ParameterReader {
   int getInt(const std::string& name, int value, int min, int max);
   double getDouble(const std::string& name, double value, double min, double max);  ///< min and max are allowed
   std::string getString(const std::string& name, const std::string& value);
+  /// Name of a frame, without the slash at its beginning that tf had and tf2 has not; empty only if `value` is.
+  std::string getFrame(const std::string& name, const std::string& value);
   /// One of `choices`; @throws nothing, as all of these.
   std::string getChoice(const std::string& name, const std::string& value, const std::vector<std::string>& choices);
   /// A list of as many finite numbers as `value` has.

@@ -14,6 +14,9 @@ class PublisherWatch {
   /// @param now time of arrival [s] @param publishers how many the topic has
   bool accepts(const std::string& publisher, double now, int publishers);
 
+  /// @brief As accepts(): empty, or "published by /b too, but that of /a is used".
+  std::string faultOf(const std::string& publisher, double now, int publishers);
+
   const std::string& kept() const { return kept_; }  ///< whose messages are used
 
  private:

@@ -35,10 +35,10 @@ void note(std::string& first, const std::string& fault) {
   if (first.empty()) first = fault;
 }
 
-std::string secondPublisher(PublisherWatch& watch, const rosbag::MessageInstance& message) {
-  const std::string name = message.getCallerId();
-  if (watch.accepts(name, message.getTime().toSec(), 2)) return {};
-  return message.getTopic() + " is published by " + name + " too, but that of " + watch.kept() + " is used";
+// A bag does not tell how many publishers there were at a time.
+std::string otherPublisher(PublisherWatch& watch, const rosbag::MessageInstance& message) {
+  const std::string fault = watch.faultOf(message.getCallerId(), message.getTime().toSec(), 2);
+  return fault.empty() ? fault : message.getTopic() + " is " + fault;
 }
 
 // "3 bad scan (stamp is not set (0)), 20 no tilt (joint sample without stamp)"; empty if no line was lost without reason.
@@ -77,7 +77,7 @@ LineAccounts assemble(const rosbag::Bag& bag, const BagTilt& tilt, const BagOpti
     if (!joints) return;
     JointSample sample = readJointSample(*joints, tilt.joint);
     if (!sample.present) return;
-    if (sample.fault.empty()) sample.fault = secondPublisher(joint_publishers, message);
+    if (sample.fault.empty()) sample.fault = otherPublisher(joint_publishers, message);
     if (!sample.fault.empty()) return note(faults.joint, sample.fault);
     poses.track().add(sample.stamp, sample.angle);
     assembler.process();
@@ -93,7 +93,7 @@ LineAccounts assemble(const rosbag::Bag& bag, const BagTilt& tilt, const BagOpti
       bracketed = next_tilt->first > line.lastStamp();
       poses.track().add(next_tilt->first, next_tilt->second);
     }
-    std::string fault = secondPublisher(scan_publishers, message);
+    std::string fault = otherPublisher(scan_publishers, message);
     if (fault.empty()) fault = faultOf(*scan, tilt.laser_frame);
     if (!fault.empty()) {
       assembler.countDropped(DropCause::kBadScan);
@@ -153,6 +153,10 @@ void BagOptions::addTo(CLI::App& command) {
 LineAccounts readSweeps(const std::string& path, const BagOptions& options,
                         const std::function<void(const rosbag::MessageInstance&)>& on_message,
                         const std::function<void(BagSweep&&)>& on_sweep, const std::function<void(double)>& on_progress) {
+  if (options.sweep.min_lines > options.sweep.max_lines) {
+    throw std::runtime_error("--min-lines " + std::to_string(options.sweep.min_lines) + " exceeds --max-lines " +
+                             std::to_string(options.sweep.max_lines));
+  }
   requireReadableFile(path);
   checkBag(path);
   rosbag::Bag bag;

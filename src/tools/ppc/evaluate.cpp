@@ -232,6 +232,7 @@ void run(const EvaluateOptions& options) {
     Json mean = meanOf(all);
     if (all.front().contains("from_polygons")) {
       std::vector<Json> rendered;
+      rendered.reserve(all.size());
       for (const Json& line : all) rendered.push_back(line["from_polygons"]);
       mean["from_polygons"] = meanOf(rendered);
     }

@@ -58,7 +58,7 @@ std::vector<Eigen::Vector3d> ring(const Json& value, const std::string& name) {
 
 Plane planeOf(const Json& json) {
   const Json& normal = json.at("normal");
-  const Plane plane{triple(normal, "normal"), number(json.at("d"), "d", -kMost)};
+  Plane plane{triple(normal, "normal"), number(json.at("d"), "d", -kMost)};
   if (!(std::abs(plane.normal.norm() - 1.0) < kUnitSlack)) {
     throw std::runtime_error("normal is of length " + std::to_string(plane.normal.norm()) + ", not 1");
   }
