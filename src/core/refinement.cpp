@@ -41,7 +41,8 @@ class CellResiduals {
     const Lanes across = offset_ - (a_.x() * beam.origin_x + a_.y() * beam.origin_y + a_.z() * beam.origin_z);
     const Lanes model = across / along;
     const Lanes e = beam.range - model;
-    return beam.valid & (model > Lanes{}) ? e * e * precision_ : fill(std::numeric_limits<float>::infinity());
+    const LaneMask ahead = beam.valid & (model > Lanes{});
+    return ahead ? e * e * precision_ : fill(std::numeric_limits<float>::infinity());
   }
 
   /// Logarithm of the variance over that of the noise alone: a lenient plane explains everything, but nothing well.
