@@ -95,6 +95,12 @@ TEST(FillHoles, TakesRegionsThatAreTooSmallAsHoles) {
   EXPECT_EQ(countOf(scrap.labels, 2), 0);
 }
 
+TEST(FillHoles, LeavesWhatAPlaneWithoutDirectionCannotTell) {
+  HoledWall blind;
+  blind.planes[1] = Eigen::Vector3d::Zero();  // no beam meets it
+  EXPECT_EQ(blind.unlabelledAfter(), 64);
+}
+
 TEST(FillHoles, LeavesPixelsWithoutARange) {
   HoledWall holed;
   holed.forEachPixel(2, 2, [&](int i) { holed.grid.range[i] = kNoRange; });
