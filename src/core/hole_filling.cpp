@@ -66,8 +66,9 @@ class HoleFiller {
     };
     speck_.assign(1, first);
     seen_[first] = 1;
-    for (std::size_t k = 0; k < speck_.size(); ++k) {
-      const int i = speck_[k], row = i / grid_.cols, col = i % grid_.cols;
+    std::size_t next = 0;
+    while (next < speck_.size()) {
+      const int i = speck_[next++], row = i / grid_.cols, col = i % grid_.cols;
       if (col > 0) visit(i - 1);
       if (col + 1 < grid_.cols) visit(i + 1);
       if (row > 0) visit(i - grid_.cols);
@@ -97,7 +98,7 @@ class HoleFiller {
 
   const BeamGrid& grid_;
   const std::vector<Eigen::Vector3d>& planes_;
-  Eigen::Vector3d center_;
+  const Eigen::Vector3d& center_;
   const NoiseModel& noise_;
   const CoplanarityTolerance& tolerance_;
   int smallest_;

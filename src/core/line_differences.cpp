@@ -16,6 +16,7 @@ std::vector<double> solveDifferences(const std::vector<LineDifference>& differen
   Eigen::VectorXd solved = Eigen::VectorXd::Zero(count);
   for (int round = 0; round < (robust ? kRounds : 1); ++round) {
     std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(static_cast<std::size_t>(count) + 9 * differences.size());
     Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
     for (int k = 0; k < count; ++k) entries.emplace_back(k, k, 1.0 / std::max(1e-12, error * error));
     for (const LineDifference& d : differences) {

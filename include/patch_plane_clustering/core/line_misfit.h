@@ -37,7 +37,7 @@ struct LineSample {
 
 /// @brief Fits what a line is off, robustly: on a plane inverse range is linear in the direction of the beam, so each beam
 /// is predicted by the two beside it. An error of range moves all beams alike, one of tilt in proportion to the slope.
-/// @param line neither the first nor the last. @param scratch overwritten.
-LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kind, std::vector<LineSample>& scratch);
+/// @param line neither the first nor the last. @param samples scratch, overwritten.
+LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kind, std::vector<LineSample>& samples);
 
 }  // namespace ppc
