@@ -192,7 +192,7 @@ std::set<std::pair<std::int32_t, std::int32_t>> touchingLabels(const LabelImage&
         if (anyLane(right | down)) break;
       }
       const std::int32_t* const at = row + c;
-      const std::size_t i = static_cast<std::size_t>(at - labels.labels.data());
+      const auto i = static_cast<std::size_t>(at - labels.labels.data());
       const std::int32_t label = *at;
       if (label == 0) continue;
       // Where the next pixel has the same label, it finds what lies beyond.

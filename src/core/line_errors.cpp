@@ -172,7 +172,8 @@ LineErrors estimateAlong(const BeamGrid& grid, bool in_columns, int threads) {
 
 LineErrors estimateLineErrors(const BeamGrid& grid, int threads) {
   LineErrors errors = estimateAlong(grid, false, threads);
-  return errors.empty() ? estimateAlong(grid, true, threads) : errors;
+  const bool rows_are_lines = grid.beams_exact;  // so range images are defined
+  return errors.empty() && !rows_are_lines ? estimateAlong(grid, true, threads) : errors;
 }
 
 void removeLineErrors(const LineErrors& errors, const BeamGrid& grid, BeamGrid& out) {

@@ -89,6 +89,7 @@ BeamGrid hall() {
 
 BeamGrid transposed(const BeamGrid& grid) {
   BeamGrid out = forwardBeams(grid.cols, grid.rows, kStep);
+  out.beams_exact = false;  // as of a cloud, whose lines may be rows or columns
   for (int r = 0; r < grid.rows; ++r) {
     for (int c = 0; c < grid.cols; ++c) {
       const int i = grid.index(r, c), o = out.index(c, r);

@@ -24,7 +24,8 @@ struct LineErrors {
 /// beams are off follows a line's error of range alike, and one of tilt in proportion to the slope of range over tilt;
 /// both are fitted robustly. From these differences the errors follow by least squares, but for slow changes from line to
 /// line, which cannot be told from the shape of the scene. Errors smaller than the noise of single ranges do no harm and are
-/// left alone; so are images that were not taken line by line (range cameras).
+/// left alone; so are images that were not taken line by line (range cameras). Lines are the rows of a range image; those of
+/// a cloud are its rows or, if these show no errors, its columns.
 LineErrors estimateLineErrors(const BeamGrid& grid, int threads = 1);
 
 /// @brief Takes the errors out of the ranges, and turns the beams to where they pointed. @param out overwritten.
