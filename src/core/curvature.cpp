@@ -4,6 +4,7 @@
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/lanes.h"
 #include "patch_plane_clustering/core/parallel.h"
+#include "patch_plane_clustering/core/point_lanes.h"
 #include "patch_plane_clustering/core/quadratic_fit.h"
 
 #include <Eigen/Eigenvalues>
@@ -78,31 +79,24 @@ void sumSamples(const SurfaceSamples& samples, const SampledBeams& beams, double
   scatter.setZero();
   beam.setZero();
   for (std::size_t begin = 0; begin < samples.size(); begin += kBlock) {
-    Lanes x = {}, y = {}, z = {}, xx = {}, xy = {}, xz = {}, yy = {}, yz = {}, zz = {}, ux = {}, uy = {}, uz = {};
+    PointLanes sums;
+    Lanes ux = {}, uy = {}, uz = {};
     for (std::size_t i = begin; i < std::min(begin + kBlock, samples.size()); i += kLanes) {
       const auto px = loadLanes<Lanes>(&samples.x[i]), py = loadLanes<Lanes>(&samples.y[i]);
       const auto pz = loadLanes<Lanes>(&samples.z[i]);
-      x += px;
-      y += py;
-      z += pz;
-      xx += px * px;
-      xy += px * py;
-      xz += px * pz;
-      yy += py * py;
-      yz += py * pz;
-      zz += pz * pz;
+      sums.add(px, py, pz);
       ux += loadLanes<Lanes>(&beams.ux[i]);
       uy += loadLanes<Lanes>(&beams.uy[i]);
       uz += loadLanes<Lanes>(&beams.uz[i]);
     }
-    mean += Eigen::Vector3d(sumLanes(x), sumLanes(y), sumLanes(z));
+    mean += Eigen::Vector3d(sumLanes(sums.x), sumLanes(sums.y), sumLanes(sums.z));
     beam += Eigen::Vector3d(sumLanes(ux), sumLanes(uy), sumLanes(uz));
-    scatter(0, 0) += sumLanes(xx);
-    scatter(1, 0) += sumLanes(xy);
-    scatter(2, 0) += sumLanes(xz);
-    scatter(1, 1) += sumLanes(yy);
-    scatter(2, 1) += sumLanes(yz);
-    scatter(2, 2) += sumLanes(zz);
+    scatter(0, 0) += sumLanes(sums.xx);
+    scatter(1, 0) += sumLanes(sums.xy);
+    scatter(2, 0) += sumLanes(sums.xz);
+    scatter(1, 1) += sumLanes(sums.yy);
+    scatter(2, 1) += sumLanes(sums.yz);
+    scatter(2, 2) += sumLanes(sums.zz);
   }
   mean /= n;
   scatter -= n * mean * mean.transpose();

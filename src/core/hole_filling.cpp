@@ -10,9 +10,8 @@
 namespace ppc {
 namespace {
 
-constexpr double kMaxMean = 4.0;      // mean distance of a speck, in standard deviations of such a mean
-constexpr double kMaxScatter = 6.0;   // mean square of its distances, in variances of noise and tolerance
-constexpr double kMaxSecant2 = 30.0;  // as in similarity.h
+constexpr double kMaxMean = 4.0;     // mean distance of a speck, in standard deviations of such a mean
+constexpr double kMaxScatter = 6.0;  // mean square of its distances, in variances of noise and tolerance
 
 class HoleFiller {
  public:

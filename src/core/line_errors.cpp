@@ -19,7 +19,6 @@ constexpr int kGlance = 3;       // every so many lines tell whether the others 
 constexpr int kMaxGlances = 36;
 constexpr int kRounds = 3;      // of turning lines: each makes slopes better known
 constexpr int kDriftLines = 8;  // to either side: slower changes of tilt are left alone
-constexpr double kMadToSigma = 1.4826;
 // Where tilts come in steps, only the lines beside a step are off against their neighbours, so many tell how much:
 constexpr double kStepShare = 0.85;
 constexpr double kStepQuantile = 1.44;   // of that many absolute values of a normal distribution

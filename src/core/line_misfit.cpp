@@ -11,9 +11,8 @@
 namespace ppc {
 namespace {
 
-constexpr int kSamples = 160;  // beams of a line that are looked at
-constexpr int kRounds = 3;     // of fitting one error given the other
-constexpr double kMadToSigma = 1.4826;
+constexpr int kSamples = 160;             // beams of a line that are looked at
+constexpr int kRounds = 3;                // of fitting one error given the other
 constexpr double kMedianLoss = 1.2533;    // standard deviation of a median over that of a mean
 constexpr float kLeastMotion = 0.1F;      // of a beam, over that of the beam that moves most
 constexpr double kClearSlope = 3.0;       // over its own noise: a smaller one would explain noise by turns without end

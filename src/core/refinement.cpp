@@ -27,7 +27,7 @@ class CellResiduals {
       : a_(a), offset_(1.0F + a.dot(center)) {
     const float range = grid.range[pixel];
     const float along = a.dot(grid.direction(pixel));
-    const float sec2 = std::min(30.0F, a.squaredNorm() / (along * along));
+    const float sec2 = std::min(static_cast<float>(kMaxSecant2), a.squaredNorm() / (along * along));
     const auto sigma = static_cast<float>(noise.sigma(range));
     const auto floor = static_cast<float>(tolerance.forNoise(sigma).sigma_distance);
     const float variance = sigma * sigma + floor * floor * sec2;

@@ -4,6 +4,7 @@
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/lanes.h"
 #include "patch_plane_clustering/core/parallel.h"
+#include "patch_plane_clustering/core/point_lanes.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -43,22 +44,14 @@ void addPoints(const BeamGrid& grid, int begin, int end, PointSums& s) {
   while (begin < end && !grid.valid(begin)) ++begin;
   if (begin == end) return;
   const Eigen::Vector3f first = grid.point(begin);
-  Lanes x = {}, y = {}, z = {}, xx = {}, xy = {}, xz = {}, yy = {}, yz = {}, zz = {};
+  PointLanes q;
   LaneMask counted = {};
   forEachBeams(grid, begin, end, [&](const BeamLanes& beam) {
     const Lanes zero = {};
     const Lanes px = beam.valid ? beam.origin_x + beam.range * beam.dir_x - first.x() : zero;
     const Lanes py = beam.valid ? beam.origin_y + beam.range * beam.dir_y - first.y() : zero;
     const Lanes pz = beam.valid ? beam.origin_z + beam.range * beam.dir_z - first.z() : zero;
-    x += px;
-    y += py;
-    z += pz;
-    xx += px * px;
-    xy += px * py;
-    xz += px * pz;
-    yy += py * py;
-    yz += py * pz;
-    zz += pz * pz;
+    q.add(px, py, pz);
     counted += beam.valid;
   });
   if (s.n == 0) {
@@ -69,19 +62,19 @@ void addPoints(const BeamGrid& grid, int begin, int end, PointSums& s) {
   // From the block's origin to the label's: p = q + (first - o).
   const double n = countLanes(counted);
   const double dx = first.x() - s.ox, dy = first.y() - s.oy, dz = first.z() - s.oz;
-  const double qx = sumLanes(x), qy = sumLanes(y), qz = sumLanes(z);
+  const double qx = sumLanes(q.x), qy = sumLanes(q.y), qz = sumLanes(q.z);
   s.ux += n * grid.dir_x[begin];
   s.uy += n * grid.dir_y[begin];
   s.uz += n * grid.dir_z[begin];
   s.x += qx + n * dx;
   s.y += qy + n * dy;
   s.z += qz + n * dz;
-  s.xx += sumLanes(xx) + 2.0 * qx * dx + n * dx * dx;
-  s.xy += sumLanes(xy) + qx * dy + qy * dx + n * dx * dy;
-  s.xz += sumLanes(xz) + qx * dz + qz * dx + n * dx * dz;
-  s.yy += sumLanes(yy) + 2.0 * qy * dy + n * dy * dy;
-  s.yz += sumLanes(yz) + qy * dz + qz * dy + n * dy * dz;
-  s.zz += sumLanes(zz) + 2.0 * qz * dz + n * dz * dz;
+  s.xx += sumLanes(q.xx) + 2.0 * qx * dx + n * dx * dx;
+  s.xy += sumLanes(q.xy) + qx * dy + qy * dx + n * dx * dy;
+  s.xz += sumLanes(q.xz) + qx * dz + qz * dx + n * dx * dz;
+  s.yy += sumLanes(q.yy) + 2.0 * qy * dy + n * dy * dy;
+  s.yz += sumLanes(q.yz) + qy * dz + qz * dy + n * dy * dz;
+  s.zz += sumLanes(q.zz) + 2.0 * qz * dz + n * dz * dz;
   s.n += static_cast<int>(n);
 }
 

@@ -121,13 +121,13 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
       timer.lap("second pass");
     }
   }
-  const std::vector<Eigen::Vector3d> planes = labelPlanes(shares);
   const std::vector<std::int32_t> whole =
       splitComponents(2 * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols), 2, labels);
   timer.lap("components");
   dropCurvedRegions(grid, noise, tolerance, config.max_turn, labels, config.threads);
   timer.lap("curvature");
   if (config.fill_holes) {
+    const std::vector<Eigen::Vector3d> planes = labelPlanes(shares);
     std::vector<Eigen::Vector3d> piece_planes;
     piece_planes.reserve(whole.size());
     for (const std::int32_t label : whole) piece_planes.push_back(planes[label]);

@@ -7,6 +7,9 @@
 
 namespace ppc {
 
+/// Standard deviation of a normal distribution over the median of its absolute deviations.
+constexpr double kMadToSigma = 1.4826;
+
 /// @brief The value that would stand at `rank` (from 0) if `values` were sorted; puts them in another order.
 /// @param rank less than their number.
 template <typename T>

@@ -71,10 +71,13 @@ inline double fixedSimilarity(const Eigen::Vector3d& a, const Eigen::Vector3d& b
   return std::exp(-0.5 * (angle * angle + distance * distance));
 }
 
+/// The largest 1 / cos^2 that a tolerance is widened by.
+constexpr double kMaxSecant2 = 30.0;
+
 /// @brief 1 / cos^2 of the angle between the beam to a point at `range` [m] on the plane a . p = 1 and its normal, limited
 /// so that a grazing surface does not become similar to everything.
 inline double secantSquared(const Eigen::Vector3d& a, double range) {
-  return std::clamp(a.squaredNorm() * range * range, 1.0, 30.0);
+  return std::clamp(a.squaredNorm() * range * range, 1.0, kMaxSecant2);
 }
 
 }  // namespace ppc
