@@ -24,33 +24,55 @@ class CellResiduals {
  public:
   CellResiduals(const BeamGrid& grid, const Eigen::Vector3f& center, const NoiseModel& noise,
                 const CoplanarityTolerance& tolerance, int pixel, const Eigen::Vector3f& a)
-      : a_(a), offset_(1.0F + a.dot(center)) {
+      : a_x_(fill(a.x())), a_y_(fill(a.y())), a_z_(fill(a.z())), offset_(fill(1.0F + a.dot(center))) {
     const float range = grid.range[pixel];
     const float along = a.dot(grid.direction(pixel));
     const float sec2 = std::min(static_cast<float>(kMaxSecant2), a.squaredNorm() / (along * along));
     const auto sigma = static_cast<float>(noise.sigma(range));
     const auto floor = static_cast<float>(tolerance.forNoise(sigma).sigma_distance);
     const float variance = sigma * sigma + floor * floor * sec2;
-    precision_ = 1.0F / variance;
+    precision_ = fill(1.0F / variance);
     variance_ratio_ = variance / (sigma * sigma);
   }
 
   /// Infinite where nothing was measured, or the plane is not in front of the sensor.
   Lanes operator()(const BeamLanes& beam) const {
-    const Lanes along = a_.x() * beam.dir_x + a_.y() * beam.dir_y + a_.z() * beam.dir_z;
-    const Lanes across = offset_ - (a_.x() * beam.origin_x + a_.y() * beam.origin_y + a_.z() * beam.origin_z);
-    const Lanes model = across / along;
+    const Lanes along = alongOf(beam);
+    const Lanes model = acrossOf(beam) / along;
     const Lanes e = beam.range - model;
     const LaneMask ahead = beam.valid & (model > Lanes{});
     return ahead ? e * e * precision_ : fill(std::numeric_limits<float>::infinity());
   }
 
+  /// @brief Tells quickly which pixels may have a squared residual above a limit: all that have, and those close to it.
+  class Limit {
+   public:
+    Limit(const CellResiduals& residuals, float limit)
+        : residuals_(residuals), square_(0.99F * limit / residuals.precision_) {}
+
+    LaneMask mayExceed(const BeamLanes& beam) const {
+      const Lanes along = residuals_.alongOf(beam), across = residuals_.acrossOf(beam);
+      const Lanes e = beam.range * along - across;  // times the cosine, so that nothing needs to be divided
+      const LaneMask within = (e * e <= square_ * along * along) & (across * along > Lanes{});
+      return beam.valid & ~within;
+    }
+
+   private:
+    const CellResiduals& residuals_;
+    Lanes square_;
+  };
+
   /// Logarithm of the variance over that of the noise alone: a lenient plane explains everything, but nothing well.
   float logVariance() const { return std::log(variance_ratio_); }
 
  private:
-  Eigen::Vector3f a_;
-  float offset_ = 1.0F, precision_ = 0.0F, variance_ratio_ = 1.0F;
+  Lanes alongOf(const BeamLanes& beam) const { return a_x_ * beam.dir_x + a_y_ * beam.dir_y + a_z_ * beam.dir_z; }
+  Lanes acrossOf(const BeamLanes& beam) const {
+    return offset_ - (a_x_ * beam.origin_x + a_y_ * beam.origin_y + a_z_ * beam.origin_z);
+  }
+
+  Lanes a_x_, a_y_, a_z_, offset_, precision_ = {};
+  float variance_ratio_ = 1.0F;
 };
 
 // The valid pixel nearest to the middle of a cell, in scan order; -1 if there is none.
@@ -110,14 +132,18 @@ void paint(const BeamGrid& grid, const Patch& patch, std::int32_t label, LabelIm
 // and their sums over windows of three columns and 2 reach + 1 rows.
 class CellWindow {
  public:
-  /// Slots of a row: one before the cell's columns, the cell's, and room for whole lanes behind. All numbers are 0.
+  /// Slots of a row: one before the cell's columns, the cell's, and room for whole lanes behind.
   void reset(int width, int rows) {
     blocks_ = (width + kLanes - 1) / kLanes;
     stride_ = blocks_ * kLanes + 2 * kLanes;
     rows_ = rows;
-    values_.assign(static_cast<std::size_t>(stride_ * rows), 0.0F);
-    across_.resize(static_cast<std::size_t>(blocks_ * rows));
+    const auto size = static_cast<std::size_t>(stride_ * rows);
+    if (values_.size() < size) values_.resize(size);
+    if (across_.size() < size / kLanes) across_.resize(size / kLanes);
   }
+
+  /// Sets all numbers to 0.
+  void clear() { std::fill(values_.begin(), values_.begin() + stride_ * rows_, 0.0F); }
 
   int blocks() const { return blocks_; }
 
@@ -129,18 +155,21 @@ class CellWindow {
   /// by row. Sums along the rows come first: each counts in several windows.
   template <typename F>
   void forEachSum(int begin, int end, int reach, F&& f) {
-    for (int row = 0, k = 0; row < rows_; ++row) {
-      const float* first = at(slot(row, -1));
-      for (int b = 0; b < blocks_; ++b, ++k, first += kLanes) {
-        across_[k] = loadLanes<Lanes>(first) + loadLanes<Lanes>(first + 1) + loadLanes<Lanes>(first + 2);
+    const int blocks = blocks_, rows = rows_;  // not read again after each number that is written
+    Lanes* const across = across_.data();
+    const float* line = at(slot(0, -1));
+    for (int row = 0, k = 0; row < rows; ++row, line += stride_) {
+      const float* first = line;
+      for (int b = 0; b < blocks; ++b, ++k, first += kLanes) {
+        across[k] = loadLanes<Lanes>(first) + loadLanes<Lanes>(first + 1) + loadLanes<Lanes>(first + 2);
       }
     }
-    for (int b = 0; b < blocks_; ++b) {
-      const auto at = [&](int row) { return across_[row * blocks_ + b]; };
+    for (int b = 0; b < blocks; ++b) {
+      const auto at = [&](int row) { return across[row * blocks + b]; };
       Lanes sum = {};
-      for (int row = std::max(0, begin - reach); row < std::min(rows_, begin + reach); ++row) sum += at(row);
-      for (int row = begin, k = b; row < end; ++row, k += blocks_) {
-        if (row + reach < rows_) sum += at(row + reach);
+      for (int row = std::max(0, begin - reach); row < std::min(rows, begin + reach); ++row) sum += at(row);
+      for (int row = begin, k = b; row < end; ++row, k += blocks) {
+        if (row + reach < rows) sum += at(row + reach);
         if (row > begin && row > reach) sum -= at(row - reach - 1);
         f(k, sum);
       }
@@ -168,6 +197,17 @@ class PatchResolver {
   /// Clears the pixels of a cell that its only label does not explain. @return whether there are any.
   bool clearOutliers(const Patch& cell, std::int32_t label, LabelImage& out) const {
     const CellResiduals squared = residuals(middlePixel(grid_, cell), label);
+    const CellResiduals::Limit limit(squared, kMaxInnerResidual);
+    LaneMask suspected = {};
+    const int rows = cell.row_end - cell.row_begin;
+    for (int c = cell.col_begin; c < cell.col_end; c += kLanes) {
+      int i = grid_.index(cell.row_begin, c);
+      const int count = cell.col_end - c;
+      for (int k = 0; k < rows; ++k, i += grid_.cols) {
+        suspected |= limit.mayExceed(count >= kLanes ? BeamLanes(grid_, i) : BeamLanes(grid_, i, count));
+      }
+    }
+    if (!anyLane(suspected)) return false;  // as in most cells
     bool any = false;
     for (int r = cell.row_begin; r < cell.row_end; ++r) {
       for (int c = cell.col_begin; c < cell.col_end; c += kLanes) {
@@ -228,36 +268,46 @@ class PatchResolver {
     first_row_ = patch.row_begin - top;
     costs_.reset(width, bottom - top);
     own_.reset(width, bottom - top);
+    if (left == patch.col_begin || right == patch.col_end) costs_.clear();  // else all that counts is written
+    const int blocks = costs_.blocks();
     beams_.clear();
+    beams_.reserve(static_cast<std::size_t>((bottom - top) * (blocks + 1)));
     for (int r = top; r < bottom; ++r) {
       for (int c = left; c < right; c += kLanes) {
         beams_.emplace_back(grid_, grid_.index(r, c), right - c, costs_.slot(r - top, c - patch.col_begin));
         storeLanes(beams_.back().beams.valid ? fill(1.0F) : Lanes{}, costs_.at(beams_.back().slot));
       }
     }
-    places_.resize(static_cast<std::size_t>((patch.row_end - patch.row_begin) * costs_.blocks()));
+    places_.resize(static_cast<std::size_t>((patch.row_end - patch.row_begin) * blocks));
+    Place* const places = places_.data();
     costs_.forEachSum(first_row_, first_row_ + patch.row_end - patch.row_begin, reach, [&](int k, Lanes count) {
-      const Lanes inverse = 1.0F / (count > fill(1.0F) ? count : fill(1.0F));
-      places_[k] = Place{inverse, fill(std::numeric_limits<float>::infinity()), LaneMask{}, LaneMask{},
-                         own_.slot(first_row_ + k / costs_.blocks(), k % costs_.blocks() * kLanes)};
+      places[k].inverse_count = 1.0F / (count > fill(1.0F) ? count : fill(1.0F));
+      places[k].best = fill(std::numeric_limits<float>::infinity());
+      places[k].winner = LaneMask{};
     });
+    for (int row = 0, k = 0; k < static_cast<int>(places_.size()); ++row) {
+      for (int b = 0; b < blocks; ++b, ++k) places[k].slot = own_.slot(first_row_ + row, b * kLanes);
+    }
   }
 
   void compete(const Patch& patch, int reach, int middle, std::int32_t candidate) {
     const CellResiduals squared = residuals(middle, candidate);
+    float* const costs = costs_.at(0);
+    float* const residuals_there = own_.at(0);
     for (const WindowBeams& window : beams_) {
       const Lanes own = squared(window.beams);
-      storeLanes(own, own_.at(window.slot));
+      storeLanes(own, residuals_there + window.slot);
       const Lanes capped = own < fill(kCap) ? own : fill(kCap);
-      storeLanes(window.beams.valid ? capped : Lanes{}, costs_.at(window.slot));
+      storeLanes(window.beams.valid ? capped : Lanes{}, costs + window.slot);
     }
-    const auto ownOf = [&](const Place& place) { return loadLanes<Lanes>(own_.at(place.slot)); };
+    const auto ownOf = [&](const Place& place) { return loadLanes<Lanes>(residuals_there + place.slot); };
     LaneMask near = {};
     for (const Place& place : places_) near |= place.open & (ownOf(place) <= fill(kMaxOwnResidual));
     if (!anyLane(near)) return;  // it can win no pixel whose label may change
     const float log_variance = squared.logVariance();
+    Place* const places = places_.data();
     costs_.forEachSum(first_row_, first_row_ + patch.row_end - patch.row_begin, reach, [&](int k, Lanes sum) {
-      Place& place = places_[k];
+      Place& place = places[k];
       const Lanes mean = sum * place.inverse_count;
       const Lanes total = mean + log_variance;
       const LaneMask better = (ownOf(place) <= fill(kMaxOwnResidual)) & (mean < fill(kMaxWindowCost)) & (total < place.best);
