@@ -68,31 +68,6 @@ Eigen::Vector3d sensorCenter(const BeamGrid& grid) {
   return sum / grid.rows;
 }
 
-void linkNeighbours(PatchGrid& grid) {
-  grid.neighbour_begin.clear();
-  grid.neighbours.clear();
-  grid.neighbour_begin.reserve(grid.patches.size() + 1);
-  grid.neighbours.reserve(6 * grid.patches.size());
-  const auto link = [&grid](int block) {
-    if (grid.patch_of_block[block] >= 0) grid.neighbours.push_back(grid.patch_of_block[block]);
-  };
-  for (const Patch& patch : grid.patches) {
-    grid.neighbour_begin.push_back(static_cast<int>(grid.neighbours.size()));
-    if (patch.moments.n == 0) continue;  // nothing is ever asked from there
-    const int strip = patch.col_begin / grid.strip_cols;
-    const int block = grid.strip_begin[strip] + patch.row_begin / grid.strip_rows[strip];
-    if (block > grid.strip_begin[strip]) link(block - 1);
-    if (block + 1 < grid.strip_begin[strip + 1]) link(block + 1);
-    for (const int side : {strip - 1, strip + 1}) {
-      if (side < 0 || side >= grid.strips()) continue;
-      const int first = grid.strip_begin[side] + patch.row_begin / grid.strip_rows[side];
-      const int last = grid.strip_begin[side] + (patch.row_end - 1) / grid.strip_rows[side];
-      for (int i = first; i <= last; ++i) link(i);
-    }
-  }
-  grid.neighbour_begin.push_back(static_cast<int>(grid.neighbours.size()));
-}
-
 // Cuts the columns into strips, and each strip into blocks.
 void layOut(const BeamGrid& grid, int patch_size, const AngularSteps& steps, PatchGrid& out) {
   out.strip_rows.clear();
@@ -113,6 +88,30 @@ void layOut(const BeamGrid& grid, int patch_size, const AngularSteps& steps, Pat
 
 // Blocks of a strip that begin in rows [begin, end) are those from firstBlock(begin) to firstBlock(end).
 int firstBlock(int row, int height) { return (row + height - 1) / height; }
+
+// Sets patch_of_block of the blocks of strips [begin, end) to 0 that have valid pixels without a label.
+void markOpenBlocks(const BeamGrid& grid, const LabelImage& done, int begin, int end, PatchGrid& out) {
+  const int first_col = begin * out.strip_cols, last_col = std::min(end * out.strip_cols, grid.cols);
+  const auto mark = [&out](int row, int col) {
+    const int strip = col / out.strip_cols;
+    out.patch_of_block[out.strip_begin[strip] + row / out.strip_rows[strip]] = 0;
+  };
+  for (int r = 0; r < grid.rows; ++r) {
+    const float* const ranges = grid.range.data() + grid.index(r, 0);
+    const std::int32_t* const labels = done.labels.data() + grid.index(r, 0);
+    int c = first_col;
+    for (; c + kLanes <= last_col; c += kLanes) {
+      const LaneMask open = (loadLanes<Lanes>(ranges + c) > Lanes{}) & (loadLanes<LaneMask>(labels + c) <= LaneMask{});
+      if (!anyLane(open)) continue;  // most pixels have a label
+      for (int lane = 0; lane < kLanes; ++lane) {
+        if (open[lane] != 0) mark(r, c + lane);
+      }
+    }
+    for (; c < last_col; ++c) {
+      if (ranges[c] > 0.0F && labels[c] <= 0) mark(r, c);
+    }
+  }
+}
 
 // Fills in patches from the sums of their blocks, two at a time.
 class PatchFitter {
@@ -153,34 +152,82 @@ class PatchFitter {
   Patch* waiting_ = nullptr;
 };
 
-// Fills the patches of all blocks that begin in rows [band_begin, band_end), with `done` of those only that have points;
-// returns how many.
-template <typename Choose>
-int sumBand(const BeamGrid& grid, const PatchGrid& layout, int band_begin, int band_end, bool keep_empty,
-            const Choose& choose, Patch* out) {
-  const Patch* const first = out;
-  PatchFitter fitter(layout.center);
-  for (int s = 0; s < layout.strips(); ++s) {
-    const int height = layout.strip_rows[s];
-    for (int k = firstBlock(band_begin, height); k < firstBlock(band_end, height); ++k) {
-      Patch& patch = *out;
-      patch.row_begin = k * height;
-      patch.row_end = std::min(patch.row_begin + height, grid.rows);
-      patch.col_begin = s * layout.strip_cols;
-      patch.col_end = std::min(patch.col_begin + layout.strip_cols, grid.cols);
-      const BlockSums sums = sumPixels(grid, patch.row_begin, patch.row_end, patch.col_begin, patch.col_end, choose);
-      if (sums.empty) {
-        if (!keep_empty) continue;
-        patch.moments = Moments();
-        patch.fit = PlaneFit();
-        patch.range = 0.0;
-      } else {
-        fitter.add(sums, patch);
-      }
-      ++out;
+// Calls f(strip, k) for the k-th blocks of strips in the order of their patches: by bands of rows, strip by strip in each.
+template <typename F>
+void forEachBlock(const PatchGrid& grid, F&& f) {
+  for (int begin = 0; begin < grid.rows; begin += kBandRows) {
+    const int end = std::min(begin + kBandRows, grid.rows);
+    for (int strip = 0; strip < grid.strips(); ++strip) {
+      const int height = grid.strip_rows[strip], last = firstBlock(end, height);
+      for (int k = firstBlock(begin, height); k < last; ++k) f(strip, k);
     }
   }
-  return static_cast<int>(out - first);
+}
+
+// Lists the patches of all blocks or, if labels are given, of those that have a valid pixel without one.
+void listPatches(const BeamGrid& grid, const LabelImage* done, int threads, PatchGrid& out) {
+  out.patch_of_block.assign(static_cast<std::size_t>(out.strip_begin.back()), done == nullptr ? 0 : -1);
+  if (done != nullptr) {
+    forEachRange(threads, out.strips(), [&](int begin, int end) { markOpenBlocks(grid, *done, begin, end, out); });
+  }
+  int count = 0;
+  for (int& patch : out.patch_of_block) count += patch + 1;
+  out.patches.resize(static_cast<std::size_t>(count));
+  int next = 0;
+  forEachBlock(out, [&](int strip, int k) {
+    int& index = out.patch_of_block[out.strip_begin[strip] + k];
+    if (index < 0) return;
+    Patch& patch = out.patches[next];
+    index = next++;
+    patch.row_begin = k * out.strip_rows[strip];
+    patch.row_end = std::min(patch.row_begin + out.strip_rows[strip], grid.rows);
+    patch.col_begin = strip * out.strip_cols;
+    patch.col_end = std::min(patch.col_begin + out.strip_cols, grid.cols);
+  });
+}
+
+// Sums and fits the patches [begin, end).
+template <typename Choose>
+void sumPatches(const BeamGrid& grid, int begin, int end, const Choose& choose, PatchGrid& out) {
+  PatchFitter fitter(out.center);
+  for (int p = begin; p < end; ++p) {
+    Patch& patch = out.patches[p];
+    const BlockSums sums = sumPixels(grid, patch.row_begin, patch.row_end, patch.col_begin, patch.col_end, choose);
+    if (sums.empty) {
+      patch.moments = Moments();
+      patch.fit = PlaneFit();
+      patch.range = 0.0;
+    } else {
+      fitter.add(sums, patch);
+    }
+  }
+}
+
+void linkNeighbours(PatchGrid& grid) {
+  grid.neighbour_begin.clear();
+  grid.neighbours.clear();
+  grid.neighbour_begin.reserve(grid.patches.size() + 1);
+  grid.neighbours.reserve(6 * grid.patches.size());
+  const auto link = [&grid](int block) {
+    if (grid.patch_of_block[block] >= 0) grid.neighbours.push_back(grid.patch_of_block[block]);
+  };
+  forEachBlock(grid, [&](int strip, int k) {
+    const int block = grid.strip_begin[strip] + k, height = grid.strip_rows[strip];
+    if (grid.patch_of_block[block] < 0) return;
+    grid.neighbour_begin.push_back(static_cast<int>(grid.neighbours.size()));
+    const Patch& patch = grid.patches[grid.patch_of_block[block]];
+    if (patch.moments.n == 0) return;  // nothing is ever asked from there
+    if (k > 0) link(block - 1);
+    if (block + 1 < grid.strip_begin[strip + 1]) link(block + 1);
+    for (const int side : {strip - 1, strip + 1}) {
+      if (side < 0 || side >= grid.strips()) continue;
+      const int other = grid.strip_rows[side];
+      const int first = other == height ? k : patch.row_begin / other;
+      const int last = other == height ? k : (patch.row_end - 1) / other;
+      for (int i = first; i <= last; ++i) link(grid.strip_begin[side] + i);
+    }
+  });
+  grid.neighbour_begin.push_back(static_cast<int>(grid.neighbours.size()));
 }
 
 }  // namespace
@@ -194,38 +241,16 @@ void makePatchGrid(const BeamGrid& grid, int patch_size, const AngularSteps& ste
   out.strip_cols = patch_size;
   out.center = sensorCenter(grid);
   layOut(grid, patch_size, steps, out);
-  const int bands = (grid.rows + kBandRows - 1) / kBandRows;
-  const auto bandBegin = [&](int band) { return std::min(band * kBandRows, grid.rows); };
-  std::vector<int> begin(static_cast<std::size_t>(bands) + 1, 0), count(static_cast<std::size_t>(bands), 0);
-  for (int band = 0; band < bands; ++band) {
-    begin[band + 1] = begin[band];
-    for (const int height : out.strip_rows) {
-      begin[band + 1] += firstBlock(bandBegin(band + 1), height) - firstBlock(bandBegin(band), height);
-    }
-  }
-  out.patches.resize(static_cast<std::size_t>(begin.back()));
-  forEachPart(threads, bands, [&](int band) {
-    Patch* const patches = out.patches.data() + begin[band];
+  listPatches(grid, done, threads, out);
+  forEachRange(threads, static_cast<int>(out.patches.size()), [&](int begin, int end) {
     if (done == nullptr) {
-      const auto all = [](int, int) { return fillMask(-1); };
-      count[band] = sumBand(grid, out, bandBegin(band), bandBegin(band + 1), true, all, patches);
+      sumPatches(
+          grid, begin, end, [](int, int) { return fillMask(-1); }, out);
     } else {
       const auto open = [done](int i, int pixels) { return labelsAt(*done, i, pixels) <= LaneMask{}; };
-      count[band] = sumBand(grid, out, bandBegin(band), bandBegin(band + 1), false, open, patches);
+      sumPatches(grid, begin, end, open, out);
     }
   });
-  auto end = out.patches.begin();
-  for (int band = 0; band < bands; ++band) {
-    const auto from = out.patches.begin() + begin[band];
-    end = end == from ? from + count[band] : std::move(from, from + count[band], end);
-  }
-  out.patches.erase(end, out.patches.end());
-  out.patch_of_block.assign(static_cast<std::size_t>(out.strip_begin.back()), -1);
-  for (std::size_t k = 0; k < out.patches.size(); ++k) {
-    const Patch& patch = out.patches[k];
-    const int strip = patch.col_begin / patch_size;
-    out.patch_of_block[out.strip_begin[strip] + patch.row_begin / out.strip_rows[strip]] = static_cast<int>(k);
-  }
   linkNeighbours(out);
 }
 
