@@ -55,17 +55,20 @@ struct BlockSums {
 template <typename Choose>
 BlockSums sumPixels(const BeamGrid& grid, int row_begin, int row_end, int col_begin, int col_end, Choose&& choose) {
   BlockSums s;
-  const int whole_end = col_end - (col_end - col_begin) % kLanes;
-  for (int r = row_begin; r < row_end; ++r) {
-    for (int c = col_begin; c < whole_end; c += kLanes) {
-      const int i = grid.index(r, c);
-      const LaneMask chosen = choose(i, kLanes);
-      if (anyLane(chosen)) s.add(grid, i, BeamLanes(grid, i), chosen);
+  const int rows = row_end - row_begin;
+  for (int c = col_begin; c < col_end; c += kLanes) {  // downwards: patches are rarely wider than this
+    const int first = grid.index(row_begin, c), count = std::min(kLanes, col_end - c);
+    if (count == kLanes) {
+      for (int row = 0, i = first; row < rows; ++row, i += grid.cols) {
+        const LaneMask chosen = choose(i, kLanes);
+        if (anyLane(chosen)) s.add(grid, i, BeamLanes(grid, i), chosen);
+      }
+    } else {
+      for (int row = 0, i = first; row < rows; ++row, i += grid.cols) {
+        const LaneMask chosen = choose(i, count) & firstLanes(count);
+        if (anyLane(chosen)) s.add(grid, i, BeamLanes(grid, i, count), chosen);
+      }
     }
-    if (whole_end == col_end) continue;
-    const int i = grid.index(r, whole_end), count = col_end - whole_end;
-    const LaneMask chosen = choose(i, count) & firstLanes(count);
-    if (anyLane(chosen)) s.add(grid, i, BeamLanes(grid, i, count), chosen);
   }
   return s;
 }
