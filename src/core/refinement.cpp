@@ -114,17 +114,19 @@ class Neighbourhood {
 };
 
 void paint(const BeamGrid& grid, const Patch& patch, std::int32_t label, LabelImage& out) {
-  for (int r = patch.row_begin; r < patch.row_end; ++r) {
-    const int i = grid.index(r, patch.col_begin), cols = patch.col_end - patch.col_begin;
-    std::int32_t* labels = out.labels.data() + i;
-    if (cols == kLanes) {  // the default
-      const LaneMask painted = loadLanes<Lanes>(grid.range.data() + i) > Lanes{} ? fillMask(label) : LaneMask{};
+  const int first = grid.index(patch.row_begin, patch.col_begin), cols = patch.col_end - patch.col_begin;
+  const int rows = patch.row_end - patch.row_begin, stride = grid.cols;
+  const float* ranges = grid.range.data() + first;
+  std::int32_t* labels = out.labels.data() + first;
+  if (cols == kLanes) {  // the default
+    for (int row = 0; row < rows; ++row, ranges += stride, labels += stride) {
+      const LaneMask painted = (loadLanes<Lanes>(ranges) > Lanes{}) & fillMask(label);
       std::memcpy(labels, &painted, sizeof painted);
-      continue;
     }
-    for (int c = 0; c < cols; ++c) {
-      labels[c] = grid.valid(i + c) ? label : 0;
-    }
+    return;
+  }
+  for (int row = 0; row < rows; ++row, ranges += stride, labels += stride) {
+    for (int c = 0; c < cols; ++c) labels[c] = ranges[c] > 0.0F ? label : 0;
   }
 }
 
@@ -345,13 +347,15 @@ class PatchResolver {
 
 }  // namespace
 
-void patchLabels(const BeamGrid& grid, const PatchGrid& patches, const PatchClusters& clusters, LabelImage& out,
-                 int threads) {
+void patchLabels(const BeamGrid& grid, const PatchGrid& patches, const CellShares& shares, LabelImage& out, int threads) {
   out.rows = grid.rows;
   out.cols = grid.cols;
   out.labels.resize(static_cast<std::size_t>(grid.size()));
   forEachRange(threads, static_cast<int>(patches.patches.size()), [&](int begin, int end) {
-    for (int p = begin; p < end; ++p) paint(grid, patches.patches[p], clusters.cluster_of[p] + 1, out);
+    for (int p = begin; p < end; ++p) {
+      const bool labelled = shares.begin[p] < shares.begin[p + 1];
+      paint(grid, patches.patches[p], labelled ? shares.shares[shares.begin[p]].label : 0, out);
+    }
   });
 }
 

@@ -138,15 +138,23 @@ void renameMeetings(const std::vector<std::int32_t>& now, std::vector<Meeting>& 
   meetings.resize(kept);
 }
 
-// Those of which at least one label is fresh, in ascending pairs.
-std::vector<Meeting> freshMeetings(const std::vector<Meeting>& meetings, const std::vector<char>& fresh) {
-  std::vector<Meeting> found;
-  for (const Meeting& meeting : meetings) {
-    const LabelPair pair = meeting.pair();
-    if ((fresh[pair.first] | fresh[pair.second]) != 0) found.push_back(meeting);
+// Meetings [begin, end) of the same two labels, found one after the other.
+struct MeetingRun {
+  std::uint64_t key;
+  int begin, end;
+};
+
+// Runs of which at least one label is fresh, in ascending pairs. There are far fewer of them to sort than meetings.
+std::vector<MeetingRun> freshRuns(const std::vector<Meeting>& meetings, const std::vector<char>& fresh) {
+  std::vector<MeetingRun> runs;
+  const int count = static_cast<int>(meetings.size());
+  for (int begin = 0, end = 0; begin < count; begin = end) {
+    for (end = begin + 1; end < count && meetings[end].key == meetings[begin].key;) ++end;
+    const LabelPair pair = meetings[begin].pair();
+    if ((fresh[pair.first] | fresh[pair.second]) != 0) runs.push_back({meetings[begin].key, begin, end});
   }
-  std::stable_sort(found.begin(), found.end(), [](const Meeting& a, const Meeting& b) { return a.key < b.key; });
-  return found;
+  std::stable_sort(runs.begin(), runs.end(), [](const MeetingRun& a, const MeetingRun& b) { return a.key < b.key; });
+  return runs;
 }
 
 // Sums both sides of a border: what the two labels have in cells within kBorderSteps of those where they meet.
@@ -155,7 +163,9 @@ class BorderSums {
   BorderSums(const PatchGrid& cells, const CellShares& all, const std::vector<std::int32_t>& names)
       : cells_(cells), all_(all), names_(names), reached_(cells.patches.size(), -1) {}
 
-  std::pair<Moments, Moments> measure(const Meeting* begin, const Meeting* end) {
+  // Of all meetings of two labels.
+  std::pair<Moments, Moments> measure(const LabelPair& pair, const std::vector<Meeting>& meetings, const MeetingRun* begin,
+                                      const MeetingRun* end) {
     ++border_;
     wave_.clear();
     const auto take = [&](int i) {
@@ -163,11 +173,12 @@ class BorderSums {
       reached_[i] = border_;
       wave_.push_back(i);
     };
-    for (const Meeting* at = begin; at != end; ++at) {
-      take(at->cell);
-      take(at->other);
+    for (const MeetingRun* run = begin; run != end; ++run) {
+      for (int k = run->begin; k < run->end; ++k) {
+        take(meetings[k].cell);
+        take(meetings[k].other);
+      }
     }
-    const LabelPair pair = begin->pair();
     std::size_t next = 0;
     for (int step = 0; step < kBorderSteps; ++step) {
       const std::size_t last = wave_.size();
@@ -341,8 +352,8 @@ std::vector<Eigen::Vector3d> labelPlanes(const CellShares& cells) {
   return planes;
 }
 
-void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
-                 CellShares& shares, LabelImage& labels) {
+std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
+                                      double threshold, CellShares& shares) {
   std::vector<Whole> whole;
   for (const Moments& sum : sumShares(shares)) whole.push_back({sum, fitPlane(sum)});
   std::vector<std::int32_t> names(whole.size());
@@ -352,17 +363,17 @@ void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const Coplanar
   BorderSums borders(cells, shares, names);
   while (true) {
     std::vector<std::pair<double, LabelPair>> candidates;
-    const std::vector<Meeting> meetings = freshMeetings(all, fresh);
-    for (std::size_t begin = 0, end = 0; begin < meetings.size(); begin = end) {
-      const LabelPair pair = meetings[begin].pair();
-      while (end < meetings.size() && meetings[end].key == meetings[begin].key) ++end;
+    const std::vector<MeetingRun> runs = freshRuns(all, fresh);
+    for (std::size_t begin = 0, end = 0; begin < runs.size(); begin = end) {
+      const LabelPair pair = all[runs[begin].begin].pair();
+      while (end < runs.size() && runs[end].key == runs[begin].key) ++end;
       const Whole& a = whole[pair.first];
       const Whole& b = whole[pair.second];
       const PlaneFit joint = fitPlane(a.moments + b.moments);
       const double s = wholeSimilarity(a, b, joint, noise, tolerance);
       const bool may_bow = a.fit.normal().dot(b.fit.normal()) > std::cos(kBowTurn);
       if (s < threshold && !may_bow) continue;
-      const auto [first, second] = borders.measure(&meetings[begin], meetings.data() + end);
+      const auto [first, second] = borders.measure(pair, all, &runs[begin], runs.data() + end);
       if (first.n < kMinBorderPoints || second.n < kMinBorderPoints) continue;
       if (stepSimilarity(first, second, joint, noise, tolerance) < threshold) continue;
       if (s >= threshold || isBowed(a, b, first, second, tolerance)) candidates.emplace_back(-s, pair);
@@ -385,6 +396,12 @@ void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const Coplanar
     fresh = changed;
   }
   rename(names, shares);
+  return names;
+}
+
+void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
+                 CellShares& shares, LabelImage& labels) {
+  const std::vector<std::int32_t> names = mergeShares(cells, noise, tolerance, threshold, shares);
   renameLabels(names, labelRuns(labels), labels);
 }
 

@@ -92,23 +92,20 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
   timer.lap("fits");
 
   growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config), memory.growth, memory.clusters);
-  LabelImage labels;
-  patchLabels(grid, patches, memory.clusters, labels, config.threads);
-  timer.lap("clustering");
   CellShares& shares = memory.shares;
+  shareClusters(patches, memory.clusters.cluster_of, shares);
+  timer.lap("clustering");
+  if (config.merge) mergeShares(patches, noise, tolerance, config.similarity_threshold, shares);
+  if (config.merge) timer.lap("merging");
+  LabelImage labels;
+  patchLabels(grid, patches, shares, labels, config.threads);
   std::vector<char>& changed = memory.changed;
   const auto update = [&] {
     updateShares(grid, patches, noise, labels, changed, shares, memory.shares_before, config.threads);
   };
-  const auto merge = [&] {
-    if (config.merge) mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels);
-  };
   const auto refine = [&](std::int32_t first_open) {
     refineLabels(grid, patches, shares, labelPlanes(shares), noise, tolerance, first_open, labels, changed, config.threads);
   };
-  shareClusters(patches, memory.clusters.cluster_of, shares);
-  merge();
-  if (config.merge) timer.lap("merging");
   if (config.refine) {
     refine(1);
     timer.lap("refinement");
@@ -117,7 +114,7 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
       update();
       refine(first_new);
       update();
-      merge();
+      if (config.merge) mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels);
       timer.lap("second pass");
     }
   }

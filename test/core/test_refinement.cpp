@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/refinement.h"
 
+#include "patch_plane_clustering/core/clustering.h"
+
 #include "analytic_scenes.h"
 
 #include <gtest/gtest.h>
@@ -48,10 +50,10 @@ TEST(PatchLabels, PaintTheValidPixelsOfClusteredPatches) {
   scan({wall({-1.0, 0.0, 0.0}, -2.0)}, grid);
   grid.range[grid.index(0, 1)] = kNoRange;
   const PatchGrid patches = makePatchGrid(grid, 4, false);
-  PatchClusters clusters;
-  clusters.cluster_of = {0, -1, 1, 0};  // strip by strip
   LabelImage labels;
-  patchLabels(grid, patches, clusters, labels);
+  CellShares shares;
+  shareClusters(patches, {0, -1, 1, 0}, shares);  // strip by strip
+  patchLabels(grid, patches, shares, labels);
   EXPECT_EQ(labels.labels[grid.index(0, 0)], 1);
   EXPECT_EQ(labels.labels[grid.index(0, 1)], 0);
   EXPECT_EQ(labels.labels[grid.index(7, 0)], 0);

@@ -2,15 +2,14 @@
 #pragma once
 
 #include "patch_plane_clustering/core/beam_grid.h"
-#include "patch_plane_clustering/core/clustering.h"
 #include "patch_plane_clustering/core/region_merging.h"
 #include "patch_plane_clustering/core/segmentation.h"
 
 namespace ppc {
 
-/// @brief Labels of the pixels of clustered patches: cluster index + 1, 0 elsewhere.
-void patchLabels(const BeamGrid& grid, const PatchGrid& patches, const PatchClusters& clusters, LabelImage& out,
-                 int threads = 1);
+/// @brief Paints whole patches: their pixels with a measurement get the patch's label, all others 0.
+/// @param shares with one label a patch at most, see shareClusters().
+void patchLabels(const BeamGrid& grid, const PatchGrid& patches, const CellShares& shares, LabelImage& out, int threads = 1);
 
 /// @brief Resolves labels point by point, as sharp as the image: cells inside a region keep its label, in all others the
 /// planes seen in and near the cell compete for each point.

@@ -49,4 +49,8 @@ std::vector<Eigen::Vector3d> labelPlanes(const CellShares& cells);
 void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
                  CellShares& shares, LabelImage& labels);
 
+/// @brief The same where there is no image of the labels yet. @return the new name of every label.
+std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
+                                      double threshold, CellShares& shares);
+
 }  // namespace ppc
