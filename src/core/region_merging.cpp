@@ -22,6 +22,7 @@ constexpr double kHardlyTurned = 10.0;
 constexpr double kWholeTurn = 4.0;     // tolerance of the angle over a whole region over that from patch to patch
 constexpr double kMaxBowRadius = 1.0;  // the radius for it [m]
 constexpr double kBowTurn = 0.14;      // largest angle between two parts of one bowed surface [rad]
+constexpr double kWideRadius = 8.0;    // least radius of a wide bow [m]
 constexpr double kBowEvidence = 1.5;   // least misfit of the planes of both parts at the border over that of one plane there
 constexpr double kBowSignificance = 25.0;  // far beyond chi-square with 3 degrees of freedom
 constexpr int kBorderSteps = 2;            // depth of a border in cells
@@ -74,23 +75,10 @@ bool isBowed(const Whole& a, const Whole& b, const Moments& side_a, const Moment
                       kBowSignificance * tolerance.inflationOf(std::min(side_a.n, side_b.n));
 }
 
-// Cells in which several labels meet, or that lie next to a cell with another label.
-std::vector<int> borderCells(const PatchGrid& cells, const CellShares& all) {
-  constexpr std::int32_t kNone = 0, kSeveral = -1;
-  std::vector<std::int32_t> only(cells.patches.size());  // the label of a cell with just one
-  for (std::size_t i = 0; i < only.size(); ++i) {
-    const int count = all.begin[i + 1] - all.begin[i];
-    only[i] = count == 1 ? all.shares[all.begin[i]].label : count == 0 ? kNone : kSeveral;
-  }
-  std::vector<int> found;
-  for (int i = 0; i < static_cast<int>(only.size()); ++i) {
-    const std::int32_t label = only[i];
-    if (label == kNone) continue;
-    bool border = label == kSeveral;
-    cells.forEachNeighbour(i, [&](int j) { border = border || (only[j] != kNone && only[j] != label); });
-    if (border) found.push_back(i);
-  }
-  return found;
+// Whether two parts are turned as little, for the distance between them, as those of a ceiling or wall that sags.
+bool isWideBow(const Whole& a, const Whole& b) {
+  const double angle = std::acos(std::min(1.0, a.fit.normal().dot(b.fit.normal())));
+  return (a.moments.mean() - b.moments.mean()).norm() > kWideRadius * angle;
 }
 
 // Two labels that meet, at two cells or in one.
@@ -157,6 +145,21 @@ std::vector<MeetingRun> freshRuns(const std::vector<Meeting>& meetings, const st
   return runs;
 }
 
+// Height of a step, and the points that it is known from: its variance is that of a point over them.
+struct Step {
+  double height = 0.0, points = 0.0;
+};
+
+// No step, and that for certain: what noise leaves open counts against it.
+bool isLevel(const Step& step, double range, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
+             double threshold) {
+  if (!(step.points > 0.0)) return false;
+  const double sigma = noise.sigma(range);
+  const double variance = sigma * sigma * tolerance.inflation / step.points;
+  const double allowed = kStepTolerance * tolerance.forNoise(sigma).sigma_distance;
+  return step.height * step.height + 4.0 * variance <= greatestMisfit(threshold) * allowed * allowed;
+}
+
 // Sums both sides of a border: what the two labels have in cells within kBorderSteps of those where they meet.
 class BorderSums {
  public:
@@ -195,7 +198,35 @@ class BorderSums {
     return sums;
   }
 
+  /// The step between two labels along a normal, from the nearest of both: where they meet.
+  Step measureStep(const Meeting* begin, const Meeting* end, const Eigen::Vector3d& normal) const {
+    const LabelPair pair = begin->pair();
+    Step step;
+    for (const Meeting* at = begin; at != end; ++at) {
+      Moments a = momentsIn(at->cell, pair.first), b = momentsIn(at->other, pair.second);
+      if (a.n == 0 || b.n == 0) {
+        a = momentsIn(at->other, pair.first);
+        b = momentsIn(at->cell, pair.second);
+      }
+      if (a.n == 0 || b.n == 0) continue;
+      const double points = 1.0 / (1.0 / a.n + 1.0 / b.n);
+      step.height += points * normal.dot(b.mean() - a.mean());
+      step.points += points;
+    }
+    if (step.points > 0.0) step.height /= step.points;
+    return step;
+  }
+
  private:
+  // What a label, by its name now, has in a cell.
+  Moments momentsIn(int cell, std::int32_t label) const {
+    Moments sum;
+    for (int s = all_.begin[cell]; s < all_.begin[cell + 1]; ++s) {
+      if (names_[all_.shares[s].label] == label) sum += all_.shares[s].moments;
+    }
+    return sum;
+  }
+
   const PatchGrid& cells_;
   const CellShares& all_;
   const std::vector<std::int32_t>& names_;
@@ -315,6 +346,24 @@ void shareClusters(const PatchGrid& patches, const std::vector<int>& cluster_of,
   shares.begin.push_back(static_cast<int>(shares.shares.size()));
 }
 
+std::vector<int> borderCells(const PatchGrid& cells, const CellShares& all) {
+  constexpr std::int32_t kNone = 0, kSeveral = -1;
+  std::vector<std::int32_t> only(cells.patches.size());  // the label of a cell with just one
+  for (std::size_t i = 0; i < only.size(); ++i) {
+    const int count = all.begin[i + 1] - all.begin[i];
+    only[i] = count == 1 ? all.shares[all.begin[i]].label : count == 0 ? kNone : kSeveral;
+  }
+  std::vector<int> found;
+  for (int i = 0; i < static_cast<int>(only.size()); ++i) {
+    const std::int32_t label = only[i];
+    if (label == kNone) continue;
+    bool border = label == kSeveral;
+    cells.forEachNeighbour(i, [&](int j) { border = border || (only[j] != kNone && only[j] != label); });
+    if (border) found.push_back(i);
+  }
+  return found;
+}
+
 void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels,
                   const std::vector<char>& changed, CellShares& shares, CellShares& memory, int threads) {
   std::swap(shares, memory);
@@ -375,8 +424,17 @@ std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& 
       if (s < threshold && !may_bow) continue;
       const auto [first, second] = borders.measure(pair, all, &runs[begin], runs.data() + end);
       if (first.n < kMinBorderPoints || second.n < kMinBorderPoints) continue;
-      if (stepSimilarity(first, second, joint, noise, tolerance) < threshold) continue;
-      if (s >= threshold || isBowed(a, b, first, second, tolerance)) candidates.emplace_back(-s, pair);
+      // Over a wide bow, the plane of both leaves the border: a step shows in the nearest of both sides alone.
+      const bool level = stepSimilarity(first, second, joint, noise, tolerance) >= threshold;
+      const bool wide = !level && may_bow && isWideBow(a, b);
+      if (!level && !wide) continue;
+      if (!(level && s >= threshold) && !isBowed(a, b, first, second, tolerance)) continue;
+      if (wide) {
+        const Eigen::Vector3d normal = (a.fit.normal() + b.fit.normal()).normalized();
+        const Step step = borders.measureStep(&meetings[begin], meetings.data() + end, normal);
+        if (!isLevel(step, (first + second).mean().norm(), noise, tolerance, threshold)) continue;
+      }
+      candidates.emplace_back(-s, pair);
     }
     if (candidates.empty()) break;
     std::sort(candidates.begin(), candidates.end());

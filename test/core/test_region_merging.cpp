@@ -22,7 +22,8 @@ struct Scene {
   CellShares shares;
 
   // Labels as measured, or, given `cut`, 1 left and 2 right of that column.
-  explicit Scene(const std::vector<Surface>& surfaces, int cut = -1) : grid(forwardBeams(60, 80, 0.005)) {
+  explicit Scene(const std::vector<Surface>& surfaces, int cut = -1, const BeamGrid& beams = forwardBeams(60, 80, 0.005))
+      : grid(beams) {
     labels = scan(surfaces, grid);
     addNoise(grid, 0.01);
     if (cut >= 0) {
@@ -128,6 +129,25 @@ TEST(MergeLabels, JoinsTheSlightlyTurnedHalvesOfABowedWall) {
   const std::vector<std::int32_t> before = creased.labels.labels;
   creased.merge();
   EXPECT_EQ(creased.labels.labels, before);
+}
+
+// A wall that bows with a radius of 30 m, seen 6 m wide, in two parts; with a step between them.
+Scene wideBow(double step) {
+  const Surface near = column(33.0, 0.0, 30.0), far = column(33.0 + step, 0.0, 30.0);
+  const Surface wall = [=](const Eigen::Vector3d& o, const Eigen::Vector3d& u) {
+    return (o + near(o, u) * u).y() > 1.9 ? far(o, u) : near(o, u);
+  };
+  return Scene({wall}, 136, forwardBeams(40, 160, 0.01));  // column 136 looks at y = 1.9 m
+}
+
+TEST(MergeLabels, JoinsTheUnequalPartsOfAWideBowButNotAcrossAStep) {
+  Scene bowed = wideBow(0.0);
+  bowed.merge();
+  EXPECT_EQ(countOf(bowed.labels, bowed.labels.labels[0]), bowed.grid.size());
+  Scene stepped = wideBow(0.03);
+  const std::vector<std::int32_t> before = stepped.labels.labels;
+  stepped.merge();
+  EXPECT_EQ(stepped.labels.labels, before);
 }
 
 TEST(MergeLabels, KeepsPiecesApartThatDoNotTouch) {

@@ -37,13 +37,16 @@ void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel
 /// @brief Planes of the labels: a (see moments.h); index = label.
 std::vector<Eigen::Vector3d> labelPlanes(const CellShares& cells);
 
+/// @brief Cells in which several labels meet, or that lie next to a cell with another label.
+std::vector<int> borderCells(const PatchGrid& cells, const CellShares& shares);
+
 /// @brief Merges labels that touch and lie on one plane, most similar first.
 ///
 /// Two conditions must hold. The joint plane serves both as wholes: with a wider tolerance than from patch to patch, for
 /// walls bow, wider still if they are hardly turned against each other; or they are turned a little, but the border itself
 /// lies on one plane rather than on the two (a sagging floor, not a crease). And where they meet there is no step: the
 /// strips on both sides of the border are compared by their offset alone (a plane tilted across a step hides three quarters
-/// of it).
+/// of it); those of a wide bow, whose joint plane leaves the border, by the nearest of both sides.
 /// @param cells blocks of pixels by which "touching" and "where they meet" are measured.
 /// @param shares of `labels`; renamed along with them.
 void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
