@@ -41,6 +41,7 @@ ABLATIONS = {
     'merging': ['--set', 'merge=false'],
     'refinement and second pass': ['--set', 'refine=false'],
     'second pass': ['--set', 'second_pass=false'],
+    'settlement of borders': ['--set', 'settle_borders=false'],
     'filling of holes': ['--set', 'fill_holes=false'],
     'curvature test': ['--set', 'max_turn=10'],
     'everything: config/ppc_2012.yaml': ['--config', ROOT / 'config/ppc_2012.yaml'],
@@ -79,7 +80,7 @@ def evaluate(ppc, image, polygons=True):
 
 def summary(scores):
     """What is kept of one image and method."""
-    kept = {name: scores[name] for name in ('true', 'found', 'correct', 'spurious', 'f1', 'mean_iou')}
+    kept = {name: scores[name] for name in ('true', 'found', 'correct', 'spurious', 'f1', 'mean_iou', 'pixel_iou')}
     kept['curve'] = [point['correct'] for point in scores['curve']]
     kept['planes'] = scores['planes']
     kept['rendered'] = {name: value for name, value in scores['from_polygons'].items() if name not in ('curve', 'first_fault')}
@@ -182,12 +183,14 @@ def score_row(records):
     share = ratio(records, 'correct', 'true')
     normal, refit = mean(records, 'planes', 'true_normal_error_deg'), mean(records, 'planes', 'refit_normal_error_deg')
     return [shown(mean(records, 'f1')), shown(100 * share if share is not None else None, 1, ' %'), shown(mean(records, 'spurious'), 1),
-            shown(mean(records, 'mean_iou')), shown(mean(records, 'rendered', 'f1')), shown(mean(records, 'rendered', 'mean_iou')),
+            shown(mean(records, 'mean_iou')), shown(mean(records, 'pixel_iou')), shown(mean(records, 'rendered', 'f1')),
+            shown(mean(records, 'rendered', 'mean_iou')), shown(mean(records, 'rendered', 'pixel_iou')),
             shown(normal), shown(normal / refit if normal is not None and refit else None),
             shown(mean(records, 'planes', 'offset_error_mm'), 1)]
 
 
-HEADINGS = ['F1', 'correct', 'spurious', 'IoU', 'F1 of polygons', 'IoU of polygons', 'normal [deg]', 'to refit', 'offset [mm]']
+HEADINGS = ['F1', 'correct', 'spurious', 'IoU', 'pixel IoU', 'F1 of polygons', 'IoU of polygons', 'pixel IoU of polygons',
+            'normal [deg]', 'to refit', 'offset [mm]']
 
 
 def table(first, headings, rows):
@@ -284,7 +287,7 @@ PPC: the defaults, the same everywhere; the noise is estimated from each image. 
 searched on other seeds (below).
 
 F1 = 2 correct / (true + found); *correct* is the share of true regions; *spurious* regions and everything else are means an image. IoU: mean
-over true regions of the best intersection over union. *Of polygons*: the polygons rendered back along every beam and scored as labels are.
+over true regions of the best intersection over union; *pixel IoU*: the same, weighted with the size of the true region. *Of polygons*: the polygons rendered back along every beam and scored as labels are.
 *Normal*: mean angle between the planes of correct regions and the true planes, and *to refit* its ratio to that of a fit to the true
 pixels. *Offset*: distance of the found plane from the centroid of the true region's points.
 

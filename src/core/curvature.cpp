@@ -299,10 +299,9 @@ std::vector<Bend> measureBends(const BeamGrid& grid, const LabelImage& labels, c
   return bends;
 }
 
-void dropCurvedRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double max_turn,
-                       LabelImage& labels, int threads) {
-  const std::vector<LabelRun> runs = labelRuns(labels);
-  const std::vector<SampledRegion> regions = sampleRegions(grid, runs, noise, threads);
+std::vector<std::int32_t> planarNames(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
+                                      double max_turn, const LabelImage& labels, int threads) {
+  const std::vector<SampledRegion> regions = sampleRegions(grid, labelRuns(labels), noise, threads);
   std::vector<bool> curved(regions.size(), false), weak(regions.size(), false);
   for (std::size_t label = 1; label < regions.size(); ++label) {
     const Bend& bend = regions[label].bend;
@@ -340,7 +339,7 @@ void dropCurvedRegions(const BeamGrid& grid, const NoiseModel& noise, const Copl
       renamed[strip] = host;
     }
   }
-  renameLabels(renamed, runs, labels);
+  return renamed;
 }
 
 }  // namespace ppc

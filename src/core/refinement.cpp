@@ -107,10 +107,24 @@ class Neighbourhood {
     return found_;
   }
 
+  /// The labels of these patches, in their order.
+  const std::vector<std::int32_t>& labels(int index, const CellShares& shares) {
+    labels_.clear();
+    for (const int j : around(index)) {
+      for (int s = shares.begin[j]; s < shares.begin[j + 1]; ++s) {
+        const std::int32_t label = shares.shares[s].label;
+        if (std::find(labels_.begin(), labels_.end(), label) == labels_.end()) labels_.push_back(label);
+      }
+    }
+    std::sort(labels_.begin(), labels_.end());
+    return labels_;
+  }
+
  private:
   const PatchGrid& patches_;
   std::vector<int> reached_;  // the last patch from which each was reached
   std::vector<int> found_;
+  std::vector<std::int32_t> labels_;
 };
 
 void paint(const BeamGrid& grid, const Patch& patch, std::int32_t label, LabelImage& out) {
@@ -228,7 +242,9 @@ class PatchResolver {
   }
 
   /// Gives every pixel of a cell the likeliest of the candidate labels, or 0.
-  void resolve(const Patch& patch, const std::vector<std::int32_t>& candidates, std::int32_t first_open, LabelImage& out) {
+  /// @param keep: pixels that no candidate explains keep their label instead.
+  void resolve(const Patch& patch, const std::vector<std::int32_t>& candidates, std::int32_t first_open, bool keep,
+               LabelImage& out) {
     const int middle = middlePixel(grid_, patch);
     if (middle < 0) return;
     const int strip = patch.col_begin / patches_.strip_cols;
@@ -238,6 +254,7 @@ class PatchResolver {
       const LaneMask labels =
           count == kLanes ? loadLanes<LaneMask>(&out.labels[i]) : loadLanes<LaneMask>(&out.labels[i], count);
       places_[k].open = ((labels <= LaneMask{}) | (labels >= fillMask(first_open))) & firstLanes(count);
+      if (keep) places_[k].winner = labels;
     });
     for (const std::int32_t candidate : candidates) compete(patch, reach, middle, candidate);
     forEachBlock(patch, [&](int k, int i, int count) {
@@ -381,7 +398,6 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
   forEachRange(threads, count, [&](int begin, int end) {
     PatchResolver resolver(grid, cells, planes, noise, tolerance);
     Neighbourhood neighbourhood(cells);
-    std::vector<std::int32_t> candidates;
     for (int k = begin; k < end; ++k) {
       const Patch& cell = cells.patches[k];
       if (cell.moments.n == 0 || !open[k]) continue;
@@ -392,84 +408,23 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
         if (resolver.clearOutliers(cell, own, labels)) changed[k] = 1;
         continue;
       }
-      candidates.clear();
-      for (const int j : neighbourhood.around(k)) {
-        for (int s = shares.begin[j]; s < shares.begin[j + 1]; ++s) {
-          const std::int32_t label = shares.shares[s].label;
-          if (std::find(candidates.begin(), candidates.end(), label) == candidates.end()) candidates.push_back(label);
-        }
-      }
-      std::sort(candidates.begin(), candidates.end());
-      resolver.resolve(cell, candidates, first_open, labels);
+      resolver.resolve(cell, neighbourhood.labels(k, shares), first_open, false, labels);
       changed[k] = 1;
     }
   });
 }
 
-std::vector<std::int32_t> splitComponents(int gap_rows, int gap_cols, LabelImage& labels) {
-  // Runs of equal labels along the rows, gaps bridged; runs of nearby rows that overlap belong together.
-  struct Run {
-    int begin, end, parent;
-    std::int32_t label;
-  };
-  struct Stretch {  // of pixels without a gap
-    int begin, end, run;
-  };
-  std::vector<Run> runs;
-  std::vector<Stretch> stretches;
-  std::vector<int> row_begin(static_cast<std::size_t>(labels.rows) + 1, 0);
-  for (int r = 0; r < labels.rows; ++r) {
-    row_begin[r] = static_cast<int>(runs.size());
-    const int first = r * labels.cols;
-    for (int c = 0, end = 0; c < labels.cols; c = end) {
-      end = runEnd(labels.labels.data() + first, c, labels.cols);
-      const std::int32_t label = labels.labels[first + c];
-      if (label == 0) continue;
-      int run = -1;
-      for (int k = static_cast<int>(runs.size()) - 1; k >= row_begin[r] && runs[k].end + gap_cols >= c; --k) {
-        if (runs[k].label == label) {
-          run = k;
-          break;
-        }
-      }
-      if (run < 0) {
-        run = static_cast<int>(runs.size());
-        runs.push_back({c, c, run, label});
-      }
-      runs[run].end = end;
-      stretches.push_back({first + c, first + end, run});
+void contestLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
+                   const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
+                   const CoplanarityTolerance& tolerance, LabelImage& labels, int threads) {
+  const std::vector<int> border = borderCells(cells, shares);
+  forEachRange(threads, static_cast<int>(border.size()), [&](int begin, int end) {
+    PatchResolver resolver(grid, cells, planes, noise, tolerance);
+    Neighbourhood neighbourhood(cells);
+    for (int k = begin; k < end; ++k) {
+      resolver.resolve(cells.patches[border[k]], neighbourhood.labels(border[k], shares), 1, true, labels);
     }
-  }
-  row_begin[labels.rows] = static_cast<int>(runs.size());
-  const auto find = [&](int i) {
-    while (runs[i].parent != i) i = runs[i].parent = runs[runs[i].parent].parent;
-    return i;
-  };
-  for (int r = 1; r < labels.rows; ++r) {
-    for (int back = 1; back <= std::min(r, gap_rows + 1); ++back) {
-      int above = row_begin[r - back];
-      const int above_end = row_begin[r - back + 1];
-      for (int k = row_begin[r]; k < row_begin[r + 1]; ++k) {
-        for (int j = above; j < above_end && runs[j].begin < runs[k].end; ++j) {
-          if (runs[j].label != runs[k].label || runs[k].begin >= runs[j].end) continue;
-          const int a = find(j), b = find(k);
-          runs[std::max(a, b)].parent = std::min(a, b);
-        }
-        while (above < above_end && runs[above].end <= runs[k].begin) ++above;
-      }
-    }
-  }
-  std::vector<std::int32_t> renamed(runs.size(), 0);
-  std::vector<std::int32_t> before(1, 0);
-  for (const Stretch& stretch : stretches) {
-    std::int32_t& name = renamed[find(stretch.run)];
-    if (name == 0) {
-      name = static_cast<std::int32_t>(before.size());
-      before.push_back(runs[stretch.run].label);
-    }
-    std::fill(labels.labels.begin() + stretch.begin, labels.labels.begin() + stretch.end, name);
-  }
-  return before;
+  });
 }
 
 }  // namespace ppc

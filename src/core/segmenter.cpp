@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/segmenter.h"
 
+#include "patch_plane_clustering/core/border_settlement.h"
 #include "patch_plane_clustering/core/clustering.h"
+#include "patch_plane_clustering/core/connected_pieces.h"
 #include "patch_plane_clustering/core/curvature.h"
 #include "patch_plane_clustering/core/hole_filling.h"
 #include "patch_plane_clustering/core/label_runs.h"
@@ -118,11 +120,20 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
       timer.lap("second pass");
     }
   }
-  const std::vector<std::int32_t> whole =
-      splitComponents(2 * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols), 2, labels);
+  const int gap_rows = 2 * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols), gap_cols = 2;
+  std::vector<std::int32_t> whole = splitComponents(gap_rows, gap_cols, labels);
   timer.lap("components");
-  dropCurvedRegions(grid, noise, tolerance, config.max_turn, labels, config.threads);
+  std::vector<std::int32_t> names = planarNames(grid, noise, tolerance, config.max_turn, labels, config.threads);
   timer.lap("curvature");
+  if (config.refine && config.settle_borders) {
+    if (!config.second_pass) update();
+    const LabelPieces pieces = {std::move(labels), std::move(whole), std::move(names)};
+    whole = settleBorders(grid, patches, shares, labelPlanes(shares), noise, tolerance, pieces,
+                          smallestRegion(config, grid.size()), gap_rows, gap_cols, labels, config.threads);
+    timer.lap("borders");
+  } else {
+    renameLabels(names, labelRuns(labels), labels);
+  }
   if (config.fill_holes) {
     const std::vector<Eigen::Vector3d> planes = labelPlanes(shares);
     std::vector<Eigen::Vector3d> piece_planes;

@@ -2,6 +2,7 @@
 #include "patch_plane_clustering/core/curvature.h"
 
 #include "analytic_scenes.h"
+#include "patch_plane_clustering/core/label_runs.h"
 
 #include <gtest/gtest.h>
 
@@ -33,7 +34,7 @@ struct Scene {
   }
 
   void drop(double max_turn = kMaxTurn, const NoiseModel& noise = kNoise) {
-    dropCurvedRegions(grid, noise, kTolerance, max_turn, labels);
+    renameLabels(planarNames(grid, noise, kTolerance, max_turn, labels), labelRuns(labels), labels);
   }
 };
 

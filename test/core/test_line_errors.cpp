@@ -131,15 +131,21 @@ TEST(EstimateLineErrors, FindsThemWhereLinesAreColumns) {
   EXPECT_LT(jumpsLeft(truth, found.turn), 0.15 * jumpsLeft(truth, std::vector<double>(truth.size(), 0.0)));
 }
 
+int pointsOn(const std::vector<PlanarRegion>& regions) {
+  int points = 0;
+  for (const PlanarRegion& region : regions) points += region.points;
+  return points;
+}
+
 TEST(EstimateLineErrors, TurnsKeepFacesWhole) {
   BeamGrid grid = hall();
   addTiltSteps(5.0 * kStep, grid);
   const Segmentation found = segment(grid, Config());
   ASSERT_EQ(found.regions.size(), 3U);
-  EXPECT_GT(found.regions[0].points + found.regions[1].points + found.regions[2].points, 0.95 * kRows * kCols);
+  EXPECT_GT(pointsOn(found.regions), 0.95 * kRows * kCols);
   Config naive;
   naive.noise_aware = false;
-  EXPECT_NE(segment(grid, naive).regions.size(), 3U);
+  EXPECT_LT(pointsOn(segment(grid, naive).regions), 0.8 * kRows * kCols);
 }
 
 TEST(RemoveLineErrors, PutsBeamsWhereTheyPointed) {

@@ -113,36 +113,30 @@ TEST(RefineLabels, KeepsLabelsBelowTheFirstOpenOne) {
   EXPECT_NE(refine(corner.grid, labels, 1).labels[pixel], other);
 }
 
-LabelImage picture(int rows, int cols, std::vector<std::int32_t> labels) { return {rows, cols, std::move(labels)}; }
-
-TEST(SplitComponents, PartsPieces) {
-  LabelImage labels = picture(3, 7, {5, 5, 0, 0, 0, 5, 5,  //
-                                     5, 0, 0, 0, 0, 0, 5,  //
-                                     0, 2, 2, 0, 0, 0, 5});
-  splitComponents(0, 0, labels);
-  EXPECT_EQ(labels.labels, (std::vector<std::int32_t>{1, 1, 0, 0, 0, 2, 2,  //
-                                                      1, 0, 0, 0, 0, 0, 2,  //
-                                                      0, 3, 3, 0, 0, 0, 2}));
+TEST(ContestLabels, MovesABorderToWhereThePlanesMeet) {
+  const Corner corner;
+  LabelImage labels = corner.truth;
+  for (int r = 0; r < corner.grid.rows; ++r) {
+    for (int c = 38; c < 46; ++c) labels.labels[corner.grid.index(r, c)] = corner.truth.labels[corner.grid.index(r, 0)];
+  }
+  const PatchGrid cells = weighedCells(corner.grid);
+  const CellShares shares = shareCells(corner.grid, cells, kNoise, labels);
+  const std::vector<Eigen::Vector3d> planes = labelPlanes(shareCells(corner.grid, cells, kNoise, corner.truth));
+  contestLabels(corner.grid, cells, shares, planes, kNoise, kTolerance, labels);
+  int wrong = 0;
+  for (int i = 0; i < corner.grid.size(); ++i) wrong += labels.labels[i] != corner.truth.labels[i] ? 1 : 0;
+  EXPECT_LT(wrong, corner.grid.rows);  // less than a pixel a row; before, four
 }
 
-TEST(SplitComponents, BridgesGapsUpToTheGivenWidth) {
-  const std::vector<std::int32_t> row{4, 0, 0, 4, 0, 0, 0, 4};
-  LabelImage labels = picture(1, 8, row);
-  splitComponents(0, 2, labels);
-  EXPECT_EQ(labels.labels, (std::vector<std::int32_t>{1, 0, 0, 1, 0, 0, 0, 2}));
-  labels = picture(8, 1, row);
-  splitComponents(2, 0, labels);
-  EXPECT_EQ(labels.labels, (std::vector<std::int32_t>{1, 0, 0, 1, 0, 0, 0, 2}));
-}
-
-TEST(SplitComponents, JoinsBranchesThatMeetBelow) {
-  LabelImage labels = picture(3, 5,
-                              {1, 0, 1, 0, 1,  //
-                               1, 0, 1, 0, 1,  //
-                               1, 1, 1, 1, 1});
-  const std::vector<std::int32_t> before = labels.labels;
-  splitComponents(0, 0, labels);
-  EXPECT_EQ(labels.labels, before);
+TEST(ContestLabels, KeepsPointsThatNoPlaneExplains) {
+  Corner corner;
+  const int edge = corner.grid.index(30, 38);
+  corner.grid.range[edge] += 0.5F;
+  const PatchGrid cells = weighedCells(corner.grid);
+  const CellShares shares = shareCells(corner.grid, cells, kNoise, corner.truth);
+  LabelImage labels = corner.truth;
+  contestLabels(corner.grid, cells, shares, labelPlanes(shares), kNoise, kTolerance, labels);
+  EXPECT_EQ(labels.labels[edge], corner.truth.labels[edge]);
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include "patch_plane_clustering/core/segmenter.h"
 
 #include "analytic_scenes.h"
-#include "patch_plane_clustering/core/refinement.h"
+#include "patch_plane_clustering/core/connected_pieces.h"
 #include "patch_plane_clustering/core/region_statistics.h"
 
 #include <gtest/gtest.h>

@@ -6,6 +6,7 @@
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/similarity.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace ppc {
@@ -20,13 +21,14 @@ struct Bend {
 /// @brief Bends of the regions of a label image; index = label (0 unused). From at most a few thousand points a region.
 std::vector<Bend> measureBends(const BeamGrid& grid, const LabelImage& labels, const NoiseModel& noise);
 
-/// @brief Clears regions that are pieces of curved surfaces: strips of a cylinder, caps of a sphere.
+/// @brief Tells planar regions from pieces of curved surfaces: strips of a cylinder, caps of a sphere.
 ///
 /// A region is curved if its normal turns by more than `max_turn` from end to end *and* the bend is beyond noise and
 /// tolerance. The turn tells a cylinder (a strip as thick as the noise still turns by tenths of a radian) from a real wall,
 /// which may bow by a centimetre over several metres. Touching regions that meet at an angle are strips of one curved
 /// surface if one quadratic surface serves both; at the crease of two planes it does not.
-void dropCurvedRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double max_turn,
-                       LabelImage& labels, int threads = 1);
+/// @return for every label itself if it is planar, 0 if it is curved, or the label of the plane whose soft edge it is.
+std::vector<std::int32_t> planarNames(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
+                                      double max_turn, const LabelImage& labels, int threads = 1);
 
 }  // namespace ppc

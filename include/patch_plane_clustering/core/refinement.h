@@ -24,8 +24,11 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
                   const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
                   std::int32_t first_open, LabelImage& labels, std::vector<char>& changed, int threads = 1);
 
-/// @brief Splits labels into pieces that are connected in the image. Gaps of up to `gap_cols` columns or `gap_rows` rows are
-/// bridged. @return for every new label the one that it was part of; index = label.
-std::vector<std::int32_t> splitComponents(int gap_rows, int gap_cols, LabelImage& labels);
+/// @brief Lets labels that meet compete once more for the points near their borders, as in refineLabels().
+///
+/// For planes that are known better than when the borders were drawn. Points that no plane explains keep their label.
+void contestLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
+                   const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
+                   const CoplanarityTolerance& tolerance, LabelImage& labels, int threads = 1);
 
 }  // namespace ppc

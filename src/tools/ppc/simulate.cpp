@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `ppc simulate`: scans of a simulated scanner as a bag, or as organised clouds with ground-truth labels.
 #include "patch_plane_clustering/core/beam_grid.h"
-#include "patch_plane_clustering/core/refinement.h"
+#include "patch_plane_clustering/core/connected_pieces.h"
 #include "patch_plane_clustering/sim/scanner.h"
 
 #include "files.h"

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/border_settlement.h"
+
+#include "patch_plane_clustering/core/connected_pieces.h"
+#include "patch_plane_clustering/core/label_runs.h"
+#include "patch_plane_clustering/core/refinement.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace ppc {
+namespace {
+
+// Points that a new piece has kept of a piece before.
+struct Kept {
+  std::int32_t piece, before;
+  int points;
+};
+
+// Calls f(piece, before, begin, end) for every stretch of pixels of one new piece and one piece before.
+template <typename F>
+void forEachStretch(const LabelPieces& before, const std::vector<LabelRun>& runs, F&& f) {
+  for (const LabelRun& run : runs) {
+    for (int begin = run.begin, end = 0; begin < run.end; begin = end) {
+      end = runEnd(before.labels.labels.data(), begin, run.end);
+      f(run.label, before.labels.labels[begin], begin, end);
+    }
+  }
+}
+
+// What the new pieces have kept, by piece and piece before.
+std::vector<Kept> countKept(const LabelPieces& before, const std::vector<LabelRun>& runs,
+                            const std::vector<std::int32_t>& whole) {
+  std::vector<Kept> kept;
+  forEachStretch(before, runs, [&](std::int32_t piece, std::int32_t was, int begin, int end) {
+    if (was != 0 && before.whole[was] == whole[piece]) kept.push_back({piece, was, end - begin});
+  });
+  std::sort(kept.begin(), kept.end(),
+            [](const Kept& a, const Kept& b) { return a.piece != b.piece ? a.piece < b.piece : a.before < b.before; });
+  std::size_t size = 0;
+  for (const Kept& next : kept) {
+    if (size > 0 && kept[size - 1].piece == next.piece && kept[size - 1].before == next.before) {
+      kept[size - 1].points += next.points;
+    } else {
+      kept[size++] = next;
+    }
+  }
+  kept.resize(size);
+  return kept;
+}
+
+// Whether each piece before is, or is part of, a region that is large enough.
+std::vector<char> findRegions(const LabelPieces& before, const std::vector<LabelRun>& runs, int smallest) {
+  std::vector<int> points(before.names.size(), 0);
+  for (const LabelRun& run : runs) points[before.names[run.label]] += run.end - run.begin;
+  std::vector<char> is_region(before.names.size(), 0);
+  for (std::size_t piece = 1; piece < is_region.size(); ++piece) {
+    const std::int32_t name = before.names[piece];
+    is_region[piece] = name != 0 && points[name] >= smallest ? 1 : 0;
+  }
+  return is_region;
+}
+
+// For every piece before, the new piece that has most of it; 0 if there is none.
+std::vector<std::int32_t> heirs(const std::vector<Kept>& kept, std::size_t count) {
+  std::vector<std::int32_t> heir(count, 0);
+  std::vector<int> points(count, 0);
+  for (const Kept& k : kept) {
+    if (k.points <= points[k.before]) continue;
+    points[k.before] = k.points;
+    heir[k.before] = k.piece;
+  }
+  return heir;
+}
+
+// For every new piece, the piece before that most of what it has kept is of; 0 if there is none.
+std::vector<std::int32_t> origins(const std::vector<Kept>& kept, std::size_t count) {
+  std::vector<std::int32_t> origin(count, 0);
+  std::vector<int> points(count, 0);
+  for (const Kept& k : kept) {
+    if (k.points <= points[k.piece]) continue;
+    points[k.piece] = k.points;
+    origin[k.piece] = k.before;
+  }
+  return origin;
+}
+
+// Names of the new pieces: themselves, 0 for those that are no regions, or that of the region which they are given to.
+std::vector<std::int32_t> nameRegions(const LabelPieces& before, const std::vector<char>& is_region,
+                                      const std::vector<Kept>& kept, const std::vector<std::int32_t>& heir,
+                                      std::size_t count) {
+  std::vector<int> balance(count, 0);
+  for (const Kept& k : kept) balance[k.piece] += is_region[k.before] != 0 ? k.points : -k.points;
+  const std::vector<std::int32_t> origin = origins(kept, count);
+  std::vector<std::int32_t> names(count, 0);
+  for (std::size_t piece = 1; piece < count; ++piece) {
+    if (balance[piece] <= 0) continue;
+    const std::int32_t name = before.names[origin[piece]];
+    const bool given = name != 0 && name != origin[piece] && heir[name] != 0;
+    names[piece] = given ? heir[name] : static_cast<std::int32_t>(piece);
+  }
+  return names;
+}
+
+}  // namespace
+
+std::vector<std::int32_t> settleBorders(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
+                                        const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
+                                        const CoplanarityTolerance& tolerance, const LabelPieces& before, int smallest,
+                                        int gap_rows, int gap_cols, LabelImage& labels, int threads) {
+  const std::vector<LabelRun> runs_before = labelRuns(before.labels);
+  labels = before.labels;
+  renameLabels(before.whole, runs_before, labels);
+  contestLabels(grid, cells, shares, planes, noise, tolerance, labels, threads);
+  std::vector<std::int32_t> whole = splitComponents(gap_rows, gap_cols, labels);
+  const std::vector<LabelRun> runs = labelRuns(labels);
+  const std::vector<char> is_region = findRegions(before, runs_before, smallest);
+  const std::vector<Kept> kept = countKept(before, runs, whole);
+  const std::vector<std::int32_t> heir = heirs(kept, before.names.size());
+  const std::vector<std::int32_t> names = nameRegions(before, is_region, kept, heir, whole.size());
+  renameLabels(names, runs, labels);
+  // What is no region may defend its own points only.
+  forEachStretch(before, runs, [&](std::int32_t piece, std::int32_t was, int begin, int end) {
+    if (names[piece] != 0 || was == 0 || is_region[was] == 0) return;
+    std::fill(labels.labels.begin() + begin, labels.labels.begin() + end, names[heir[was]]);
+  });
+  return whole;
+}
+
+}  // namespace ppc

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/border_settlement.h"
+
+#include "analytic_scenes.h"
+#include "patch_plane_clustering/core/clustering.h"
+#include "patch_plane_clustering/core/connected_pieces.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <vector>
+
+namespace ppc {
+namespace {
+
+using namespace testing_tools;
+
+const CoplanarityTolerance kTolerance{0.005, 0.005, 1.0};
+const NoiseModel kNoise(SensorModel{0.01, 0.01, 10.0, 0.0}, 1.0);
+constexpr int kSmallest = 100;
+
+// Two walls that meet at right angles in the middle of the image, 3 m away: label 1 to the left, 2 to the right.
+struct Corner {
+  BeamGrid grid = forwardBeams(60, 80, 0.005);
+  LabelImage truth;
+  LabelPieces pieces;
+
+  Corner() {
+    truth = scan({wall({-1.0, 1.0, 0.0}, -3.0 / std::sqrt(2.0)), wall({-1.0, -1.0, 0.0}, -3.0 / std::sqrt(2.0))}, grid);
+    addNoise(grid, 0.01);
+    if (truth.labels[0] != 1) {
+      for (std::int32_t& label : truth.labels) label = 3 - label;
+    }
+  }
+
+  // Makes labels(row, col) the labels before, and pieces of them, each named by itself.
+  void start(const std::function<std::int32_t(int, int)>& labels) {
+    pieces.labels = truth;
+    for (int i = 0; i < grid.size(); ++i) pieces.labels.labels[i] = labels(i / grid.cols, i % grid.cols);
+    pieces.whole = splitComponents(0, 0, pieces.labels);
+    pieces.names.resize(pieces.whole.size());
+    for (std::size_t k = 0; k < pieces.names.size(); ++k) pieces.names[k] = static_cast<std::int32_t>(k);
+  }
+
+  std::int32_t pieceAt(int row, int col) const { return pieces.labels.labels[grid.index(row, col)]; }
+
+  // Settles with the true planes of the labels 1 and 2, and that of the wall to the right for any other.
+  LabelImage settle(std::vector<std::int32_t>* whole = nullptr) const {
+    PatchGrid cells = makePatchGrid(grid, 4, true);
+    weighPatches(kNoise, cells);
+    LabelImage wholes = pieces.labels;
+    for (std::int32_t& label : wholes.labels) label = pieces.whole[label];
+    std::vector<Eigen::Vector3d> planes = labelPlanes(shareCells(grid, cells, kNoise, truth));
+    planes.resize(10, planes[2]);
+    LabelImage out;
+    const std::vector<std::int32_t> names = settleBorders(grid, cells, shareCells(grid, cells, kNoise, wholes), planes,
+                                                          kNoise, kTolerance, pieces, kSmallest, 0, 0, out);
+    if (whole != nullptr) *whole = names;
+    return out;
+  }
+};
+
+TEST(SettleBorders, MovesTheBorderOfTwoRegionsToTheirCrease) {
+  Corner corner;
+  corner.start([](int, int c) { return c < 45 ? 1 : 2; });
+  std::vector<std::int32_t> whole;
+  const LabelImage out = corner.settle(&whole);
+  int wrong = 0;
+  for (int i = 0; i < corner.grid.size(); ++i) wrong += whole[out.labels[i]] != corner.truth.labels[i] ? 1 : 0;
+  EXPECT_LT(wrong, corner.grid.rows);  // less than a pixel a row; before, five
+}
+
+TEST(SettleBorders, WhatWasNoRegionStaysNone) {
+  Corner corner;
+  corner.start([](int, int c) { return c < 45 ? 1 : 2; });
+  corner.pieces.names[corner.pieceAt(0, 79)] = 0;  // a strip of something curved, say
+  std::vector<std::int32_t> whole;
+  const LabelImage out = corner.settle(&whole);
+  EXPECT_EQ(out.labels[corner.grid.index(30, 70)], 0);
+  EXPECT_EQ(whole[out.labels[corner.grid.index(30, 20)]], 1);
+  EXPECT_EQ(whole[out.labels[corner.grid.index(30, 43)]], 1);  // though the strip's plane explains it better
+}
+
+TEST(SettleBorders, WhatWasNoRegionKeepsItsPoints) {
+  Corner corner;
+  corner.start([](int, int c) { return c < 35 ? 1 : 2; });
+  corner.pieces.names[corner.pieceAt(0, 0)] = 0;
+  const LabelImage out = corner.settle();
+  EXPECT_EQ(out.labels[corner.grid.index(30, 20)], 0);
+  EXPECT_GT(out.labels[corner.grid.index(30, 70)], 0);
+  EXPECT_EQ(out.labels[corner.grid.index(30, 37)], out.labels[corner.grid.index(30, 70)]);
+}
+
+TEST(SettleBorders, AScrapDoesNotGrowIntoARegion) {
+  Corner corner;
+  const auto scrap = [](int r, int c) { return r >= 26 && r < 34 && c >= 40 && c < 46 ? 2 : 1; };  // 48 points
+  corner.start(scrap);
+  const LabelImage small = corner.settle();
+  EXPECT_EQ(small.labels[corner.grid.index(30, 43)], 0);
+  EXPECT_GT(small.labels[corner.grid.index(30, 20)], 0);
+  corner.start([&](int r, int c) { return r >= 20 ? scrap(26 + (r - 20) / 5, c) : 1; });  // the same shape of 240 points
+  std::vector<std::int32_t> whole;
+  const LabelImage large = corner.settle(&whole);
+  EXPECT_EQ(whole[large.labels[corner.grid.index(40, 43)]], 2);
+}
+
+TEST(SettleBorders, ASoftEdgeStaysWithItsPlane) {
+  Corner corner;
+  corner.start([](int, int c) { return c < 40 ? 1 : c < 48 ? 3 : 2; });
+  corner.pieces.names[corner.pieceAt(0, 44)] = corner.pieceAt(0, 79);
+  const LabelImage out = corner.settle();
+  EXPECT_GT(out.labels[corner.grid.index(30, 44)], 0);
+  EXPECT_EQ(out.labels[corner.grid.index(30, 44)], out.labels[corner.grid.index(30, 70)]);
+  EXPECT_NE(out.labels[corner.grid.index(30, 44)], out.labels[corner.grid.index(30, 20)]);
+}
+
+TEST(SettleBorders, LeavesAnImageWithoutLabelsAlone) {
+  Corner corner;
+  corner.start([](int, int) { return 0; });
+  EXPECT_EQ(countOf(corner.settle(), 0), corner.grid.size());
+}
+
+}  // namespace
+}  // namespace ppc
