@@ -199,19 +199,22 @@ class BorderSums {
   }
 
   /// The step between two labels along a normal, from the nearest of both: where they meet.
-  Step measureStep(const Meeting* begin, const Meeting* end, const Eigen::Vector3d& normal) const {
-    const LabelPair pair = begin->pair();
+  Step measureStep(const LabelPair& pair, const std::vector<Meeting>& meetings, const MeetingRun* begin,
+                   const MeetingRun* end, const Eigen::Vector3d& normal) const {
     Step step;
-    for (const Meeting* at = begin; at != end; ++at) {
+    const auto add = [&](const Meeting* at) {
       Moments a = momentsIn(at->cell, pair.first), b = momentsIn(at->other, pair.second);
       if (a.n == 0 || b.n == 0) {
         a = momentsIn(at->other, pair.first);
         b = momentsIn(at->cell, pair.second);
       }
-      if (a.n == 0 || b.n == 0) continue;
+      if (a.n == 0 || b.n == 0) return;
       const double points = 1.0 / (1.0 / a.n + 1.0 / b.n);
       step.height += points * normal.dot(b.mean() - a.mean());
       step.points += points;
+    };
+    for (const MeetingRun* run = begin; run != end; ++run) {
+      for (int m = run->begin; m < run->end; ++m) add(&meetings[m]);
     }
     if (step.points > 0.0) step.height /= step.points;
     return step;
@@ -431,7 +434,7 @@ std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& 
       if (!(level && s >= threshold) && !isBowed(a, b, first, second, tolerance)) continue;
       if (wide) {
         const Eigen::Vector3d normal = (a.fit.normal() + b.fit.normal()).normalized();
-        const Step step = borders.measureStep(&meetings[begin], meetings.data() + end, normal);
+        const Step step = borders.measureStep(pair, all, &runs[begin], runs.data() + end, normal);
         if (!isLevel(step, (first + second).mean().norm(), noise, tolerance, threshold)) continue;
       }
       candidates.emplace_back(-s, pair);
