@@ -82,9 +82,8 @@ class RegionOutliner {
  private:
   // Corners on the plane; those that coincide count once.
   std::vector<OutlinePoint> project(const std::vector<PixelCorner>& corners, const PixelRing& ring) {
-    std::vector<OutlinePoint> outline;
-    outline.reserve(ring.end - ring.begin);
-    for (std::size_t i = ring.begin; i < ring.end; ++i) outline.push_back(projection_.project(corners[i]));
+    std::vector<OutlinePoint> outline(ring.end - ring.begin);
+    projection_.project(corners.data() + ring.begin, outline.size(), outline.data());
     dropRepeats(outline);
     return outline;
   }

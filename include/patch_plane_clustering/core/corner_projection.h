@@ -26,8 +26,9 @@ class CornerProjection {
   /// The arguments must outlive the object. All sizes agree.
   CornerProjection(const BeamGrid& grid, const LabelImage& labels, const PlanarRegion& region);
 
-  /// Not thread-safe: where no own pixel around the corner has a measurement, the limits of the corner before apply.
-  OutlinePoint project(const PixelCorner& corner);
+  /// Not thread-safe: where no own pixel around a corner has a measurement, the limits of the corner before apply.
+  /// @param out room for `count` points.
+  void project(const PixelCorner* corners, std::size_t count, OutlinePoint* out);
 
   /// How many corners so far were put where the measured ranges end, because their beams hardly meet the plane.
   std::size_t limited() const { return limited_; }
@@ -43,14 +44,9 @@ class CornerProjection {
   Eigen::Vector3d lift(const Eigen::Vector2d& p) const { return centre_ + p.x() * axis_x_ + p.y() * axis_y_; }
 
  private:
-  struct Cut {
-    Eigen::Vector3d origin, direction;       // of the corner's beam; the direction is not normalised
-    Eigen::Vector3d row_change, col_change;  // of the point, as long as the range stays the same
-    double range = 0.0;                      // in units of the direction's length
-    double incidence = 0.0;                  // normal . direction
-    bool clamped = false;
-  };
-  Cut cut(const PixelCorner& corner);
+  struct PlacePair;
+  void place(const PixelCorner& corner, int k, PlacePair& out);
+  void projectPair(const PlacePair& at, int count, OutlinePoint* out);
   void measureAround(const int (&pixels)[4]);
 
   const BeamGrid& grid_;
