@@ -17,24 +17,17 @@ struct Kept {
   int points;
 };
 
-// Calls f(piece, before, begin, end) for every stretch of pixels of one new piece and one piece before.
-template <typename F>
-void forEachStretch(const LabelPieces& before, const std::vector<LabelRun>& runs, F&& f) {
-  for (const LabelRun& run : runs) {
-    for (int begin = run.begin, end = 0; begin < run.end; begin = end) {
-      end = runEnd(before.labels.labels.data(), begin, run.end);
-      f(run.label, before.labels.labels[begin], begin, end);
-    }
-  }
-}
-
 // What the new pieces have kept, by piece and piece before.
 std::vector<Kept> countKept(const LabelPieces& before, const std::vector<LabelRun>& runs,
                             const std::vector<std::int32_t>& whole) {
   std::vector<Kept> kept;
-  forEachStretch(before, runs, [&](std::int32_t piece, std::int32_t was, int begin, int end) {
-    if (was != 0 && before.whole[was] == whole[piece]) kept.push_back({piece, was, end - begin});
-  });
+  for (const LabelRun& run : runs) {
+    for (int begin = run.begin, end = 0; begin < run.end; begin = end) {
+      end = runEnd(before.labels.labels.data(), begin, run.end);
+      const std::int32_t was = before.labels.labels[begin];
+      if (was != 0 && before.whole[was] == whole[run.label]) kept.push_back({run.label, was, end - begin});
+    }
+  }
   std::sort(kept.begin(), kept.end(),
             [](const Kept& a, const Kept& b) { return a.piece != b.piece ? a.piece < b.piece : a.before < b.before; });
   std::size_t size = 0;
@@ -85,6 +78,21 @@ std::vector<std::int32_t> origins(const std::vector<Kept>& kept, std::size_t cou
   return origin;
 }
 
+// Gives points of regions that went to a label without any region back to theirs: such a label may only defend its own.
+void giveBack(const LabelPieces& before, const std::vector<LabelRun>& runs, const std::vector<char>& is_region,
+              std::size_t count, LabelImage& labels) {
+  std::vector<char> has_region(count, 0);  // of each label
+  for (std::size_t piece = 1; piece < is_region.size(); ++piece) {
+    if (is_region[piece] != 0) has_region[before.whole[piece]] = 1;
+  }
+  for (const LabelRun& run : runs) {
+    if (is_region[run.label] == 0) continue;
+    for (int i = run.begin; i < run.end; ++i) {
+      if (has_region[labels.labels[i]] == 0) labels.labels[i] = before.whole[run.label];
+    }
+  }
+}
+
 // Names of the new pieces: themselves, 0 for those that are no regions, or that of the region which they are given to.
 std::vector<std::int32_t> nameRegions(const LabelPieces& before, const std::vector<char>& is_region,
                                       const std::vector<Kept>& kept, const std::vector<std::int32_t>& heir,
@@ -112,18 +120,14 @@ std::vector<std::int32_t> settleBorders(const BeamGrid& grid, const PatchGrid& c
   labels = before.labels;
   renameLabels(before.whole, runs_before, labels);
   contestLabels(grid, cells, shares, planes, noise, tolerance, labels, threads);
+  const std::vector<char> is_region = findRegions(before, runs_before, smallest);
+  giveBack(before, runs_before, is_region, planes.size(), labels);
   std::vector<std::int32_t> whole = splitComponents(gap_rows, gap_cols, labels);
   const std::vector<LabelRun> runs = labelRuns(labels);
-  const std::vector<char> is_region = findRegions(before, runs_before, smallest);
   const std::vector<Kept> kept = countKept(before, runs, whole);
   const std::vector<std::int32_t> heir = heirs(kept, before.names.size());
   const std::vector<std::int32_t> names = nameRegions(before, is_region, kept, heir, whole.size());
   renameLabels(names, runs, labels);
-  // What is no region may defend its own points only.
-  forEachStretch(before, runs, [&](std::int32_t piece, std::int32_t was, int begin, int end) {
-    if (names[piece] != 0 || was == 0 || is_region[was] == 0) return;
-    std::fill(labels.labels.begin() + begin, labels.labels.begin() + end, names[heir[was]]);
-  });
   return whole;
 }
 
