@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <vector>
 
 namespace ppc {
 
@@ -82,6 +83,23 @@ struct BeamLanes {
       read(grid, i, [rest](const float* from) { return loadLanes<Lanes>(from, rest); });
     }
     valid = (range > Lanes{}) & firstLanes(count);
+  }
+
+  /// Four beams anywhere, those of which count that are `inside`.
+  BeamLanes(const BeamGrid& grid, const int (&pixels)[kLanes], LaneMask inside) {
+    const auto gather = [&pixels](const std::vector<float>& from) {
+      return Lanes{from[pixels[0]], from[pixels[1]], from[pixels[2]], from[pixels[3]]};
+    };
+    range = gather(grid.range);
+    dir_x = gather(grid.dir_x);
+    dir_y = gather(grid.dir_y);
+    dir_z = gather(grid.dir_z);
+    if (!grid.origin_x.empty()) {
+      origin_x = gather(grid.origin_x);
+      origin_y = gather(grid.origin_y);
+      origin_z = gather(grid.origin_z);
+    }
+    valid = (range > Lanes{}) & inside;
   }
 
  private:

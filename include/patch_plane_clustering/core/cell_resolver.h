@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "patch_plane_clustering/core/cell_residuals.h"
+#include "patch_plane_clustering/core/noise_model.h"
+#include "patch_plane_clustering/core/patch_grid.h"
+#include "patch_plane_clustering/core/segmentation.h"
+#include "patch_plane_clustering/core/similarity.h"
+
+#include <vector>
+
+namespace ppc {
+
+/// @brief Resolves the pixels of one cell among planes. Each pixel asks its window: three columns, and as many rows as cover
+/// about the same angle. Not thread-safe; the arguments must outlive the object.
+class CellResolver {
+ public:
+  /// @param planes by label, see labelPlanes().
+  CellResolver(const BeamGrid& grid, const PatchGrid& cells, const std::vector<Eigen::Vector3d>& planes,
+               const NoiseModel& noise, const CoplanarityTolerance& tolerance);
+
+  /// Clears the pixels of a cell that its only label does not explain. @return whether there are any.
+  bool clearOutliers(const Patch& cell, std::int32_t label, LabelImage& out) const;
+
+  /// Gives every pixel of a cell without a label, or with one from `first_open` on, the likeliest of the candidates, or 0.
+  /// @param keep: pixels that no candidate explains keep their label instead.
+  void resolve(const Patch& cell, const std::vector<std::int32_t>& candidates, std::int32_t first_open, bool keep,
+               LabelImage& out);
+
+ private:
+  // Four pixels of the cell, side by side.
+  struct Place {
+    Lanes inverse_count, best;  // of the pixels in each one's window; least cost so far
+    LaneMask winner, open;      // open: the label may change
+  };
+
+  CellNoise noiseOf(int pixel) const { return CellNoise(grid_, noise_, tolerance_, pixel); }
+  CellResiduals residuals(const CellNoise& noise, std::int32_t label) const;
+  void readWindow(const Patch& cell, int col, int reach);
+  void openPlaces(const Patch& cell, int col, std::int32_t first_open, bool keep, const LabelImage& labels);
+  void compete(const CellNoise& noise, int reach, std::int32_t candidate);
+  void paint(const Patch& cell, int col, LabelImage& out) const;
+  template <typename Cost>
+  void sumAcross(const Cost& cost);
+  template <typename F>
+  void forEachSum(int reach, const F& f) const;
+
+  const BeamGrid& grid_;
+  const PatchGrid& cells_;
+  const std::vector<Eigen::Vector3d>& planes_;
+  const NoiseModel& noise_;
+  const CoplanarityTolerance& tolerance_;
+  Eigen::Vector3f center_;
+
+  // The window of four columns of a cell, row by row, and the columns left and right of it: those of two rows in one.
+  std::vector<BeamLanes> middle_, sides_;
+  int rows_ = 0, first_ = 0, last_ = 0;  // rows of the window; those of the cell are [first, last)
+  std::vector<Lanes> own_;               // squared residuals of the middle
+  std::vector<float> side_costs_;        // left and right, row by row
+  std::vector<Lanes> across_;            // sums over three columns
+  std::vector<Place> places_;
+};
+
+}  // namespace ppc
