@@ -11,42 +11,53 @@
 namespace ppc {
 namespace {
 
-// Finds the patches within two steps of a patch, itself included.
+// Finds the labels of patches within two steps of a patch, itself included.
 class Neighbourhood {
  public:
-  explicit Neighbourhood(const PatchGrid& patches) : patches_(patches), reached_(patches.patches.size(), -1) {}
+  Neighbourhood(const PatchGrid& patches, const CellShares& shares)
+      : patches_(patches),
+        shares_(shares),
+        only_(onlyLabels(shares)),
+        reached_(patches.patches.size(), -1),
+        found_(patches.patches.size()) {}
 
-  const std::vector<int>& around(int index) {
-    found_.clear();
+  /// In ascending order.
+  const std::vector<std::int32_t>& labelsAround(int index) {
+    labels_.clear();
+    int* const reached = reached_.data();
+    int* const found = found_.data();
+    int size = 0;
     const auto take = [&](int i) {
-      if (reached_[i] == index) return;
-      reached_[i] = index;
-      found_.push_back(i);
+      if (reached[i] == index) return;
+      reached[i] = index;
+      found[size++] = i;
     };
     take(index);
-    std::size_t begin = 0;
-    for (int step = 0; step < 2; ++step) {
-      const std::size_t end = found_.size();
-      for (; begin < end; ++begin) patches_.forEachNeighbour(found_[begin], take);
+    for (int step = 0, next = 0; step < 2; ++step) {
+      for (const int end = size; next < end; ++next) patches_.forEachNeighbour(found[next], take);
     }
-    return found_;
-  }
-
-  /// The labels of these patches, in their order.
-  const std::vector<std::int32_t>& labels(int index, const CellShares& shares) {
-    labels_.clear();
-    for (const int j : around(index)) {
-      for (int s = shares.begin[j]; s < shares.begin[j + 1]; ++s) {
-        const std::int32_t label = shares.shares[s].label;
-        if (std::find(labels_.begin(), labels_.end(), label) == labels_.end()) labels_.push_back(label);
+    std::int32_t last = 0;
+    for (int k = 0; k < size; ++k) {
+      const std::int32_t label = only_[found[k]];
+      if (label == last) continue;
+      if (label > 0) {
+        add(last = label);
+      } else if (label < 0) {
+        for (int s = shares_.begin[found[k]]; s < shares_.begin[found[k] + 1]; ++s) add(shares_.shares[s].label);
       }
     }
-    std::sort(labels_.begin(), labels_.end());
     return labels_;
   }
 
  private:
+  void add(std::int32_t label) {
+    const auto at = std::lower_bound(labels_.begin(), labels_.end(), label);
+    if (at == labels_.end() || *at != label) labels_.insert(at, label);
+  }
+
   const PatchGrid& patches_;
+  const CellShares& shares_;
+  std::vector<std::int32_t> only_;
   std::vector<int> reached_;  // the last patch from which each was reached
   std::vector<int> found_;
   std::vector<std::int32_t> labels_;
@@ -104,7 +115,7 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
   }
   forEachRange(threads, count, [&](int begin, int end) {
     CellResolver resolver(grid, cells, planes, noise, tolerance);
-    Neighbourhood neighbourhood(cells);
+    Neighbourhood neighbourhood(cells, shares);
     for (int k = begin; k < end; ++k) {
       const Patch& cell = cells.patches[k];
       if (cell.moments.n == 0 || !open[k]) continue;
@@ -115,7 +126,7 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
         if (resolver.clearOutliers(cell, own, labels)) changed[k] = 1;
         continue;
       }
-      resolver.resolve(cell, neighbourhood.labels(k, shares), first_open, false, labels);
+      resolver.resolve(cell, neighbourhood.labelsAround(k), first_open, false, labels);
       changed[k] = 1;
     }
   });
@@ -127,9 +138,9 @@ void contestLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShare
   const std::vector<int> border = borderCells(cells, shares);
   forEachRange(threads, static_cast<int>(border.size()), [&](int begin, int end) {
     CellResolver resolver(grid, cells, planes, noise, tolerance);
-    Neighbourhood neighbourhood(cells);
+    Neighbourhood neighbourhood(cells, shares);
     for (int k = begin; k < end; ++k) {
-      resolver.resolve(cells.patches[border[k]], neighbourhood.labels(border[k], shares), 1, true, labels);
+      resolver.resolve(cells.patches[border[k]], neighbourhood.labelsAround(border[k]), 1, true, labels);
     }
   });
 }

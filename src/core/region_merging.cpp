@@ -349,19 +349,26 @@ void shareClusters(const PatchGrid& patches, const std::vector<int>& cluster_of,
   shares.begin.push_back(static_cast<int>(shares.shares.size()));
 }
 
-std::vector<int> borderCells(const PatchGrid& cells, const CellShares& all) {
-  constexpr std::int32_t kNone = 0, kSeveral = -1;
-  std::vector<std::int32_t> only(cells.patches.size());  // the label of a cell with just one
+std::vector<std::int32_t> onlyLabels(const CellShares& shares) {
+  std::vector<std::int32_t> only(shares.begin.size() - 1);
   for (std::size_t i = 0; i < only.size(); ++i) {
-    const int count = all.begin[i + 1] - all.begin[i];
-    only[i] = count == 1 ? all.shares[all.begin[i]].label : count == 0 ? kNone : kSeveral;
+    const int begin = shares.begin[i], count = shares.begin[i + 1] - begin;
+    only[i] = count == 1 ? shares.shares[begin].label : count == 0 ? 0 : -1;
   }
+  return only;
+}
+
+std::vector<int> borderCells(const PatchGrid& cells, const CellShares& all) {
+  const std::vector<std::int32_t> only = onlyLabels(all);
   std::vector<int> found;
   for (int i = 0; i < static_cast<int>(only.size()); ++i) {
     const std::int32_t label = only[i];
-    if (label == kNone) continue;
-    bool border = label == kSeveral;
-    cells.forEachNeighbour(i, [&](int j) { border = border || (only[j] != kNone && only[j] != label); });
+    if (label == 0) continue;
+    bool border = label < 0;
+    for (int k = cells.neighbour_begin[i]; !border && k < cells.neighbour_begin[i + 1]; ++k) {
+      const std::int32_t other = only[cells.neighbours[k]];
+      border = (other != 0) & (other != label);
+    }
     if (border) found.push_back(i);
   }
   return found;

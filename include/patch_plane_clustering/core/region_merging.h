@@ -37,6 +37,9 @@ void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel
 /// @brief Planes of the labels: a (see moments.h); index = label.
 std::vector<Eigen::Vector3d> labelPlanes(const CellShares& cells);
 
+/// @brief For every cell its only label, 0 if it has none, -1 if it has several.
+std::vector<std::int32_t> onlyLabels(const CellShares& shares);
+
 /// @brief Cells in which several labels meet, or that lie next to a cell with another label.
 std::vector<int> borderCells(const PatchGrid& cells, const CellShares& shares);
 
