@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/clustering.h"
 
+#include "patch_plane_clustering/core/parallel.h"
 #include "patch_plane_clustering/core/quantile.h"
 
 #include <algorithm>
@@ -17,6 +18,7 @@ constexpr double kOneRing = 0.7;
 constexpr double kTwoRings = 1.5;
 constexpr int kClusterSizes = 3;  // size of a cluster over that of such surroundings before they are asked
 constexpr int kInflationPatches = 3000;
+constexpr int kFewPatches = 2000;  // not worth a second thread
 constexpr std::ptrdiff_t kSortedShare = 8;  // of the seeds, the part that is sorted at a time
 constexpr std::ptrdiff_t kLeastSorted = 64;
 
@@ -48,12 +50,17 @@ bool isFlat(const Moments& m, const PlaneFit& fit, double range, const NoiseMode
   return fit.chi2 < dof * (1.0 + slack) + 3.3 * std::sqrt(2.0 * dof * tolerance.inflationOf(m.n));
 }
 
-void measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                         GrowthMemory& memory) {
-  const int count = static_cast<int>(grid.patches.size());
-  std::vector<int>& found = memory.found;
-  memory.reached.assign(grid.patches.size(), -1);
-  for (int i = 0; i < count; ++i) {
+// Surroundings of those patches in [begin, end) that are to be asked together with them, and to which patches they belong.
+struct FoundSurroundings {
+  std::vector<int> of;
+  std::vector<Surroundings> around;
+};
+
+FoundSurroundings measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
+                                      int begin, int end) {
+  FoundSurroundings result;
+  std::vector<int> reached, found;
+  for (int i = begin; i < end; ++i) {
     const Patch& patch = grid.patches[i];
     if (!patch.planar) continue;
     const double sigma = noise.sigma(patch.range);
@@ -62,43 +69,86 @@ void measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const C
     const double distance = tolerance.forNoise(sigma).sigma_distance;
     const int rings = uncertainty > kTwoRings * distance ? 2 : uncertainty > kOneRing * distance ? 1 : 0;
     if (rings == 0) continue;
+    if (reached.empty()) reached.assign(grid.patches.size(), -1);
     const auto take = [&](int j) {
-      if (memory.reached[j] == i || !grid.patches[j].planar) return;
-      memory.reached[j] = i;
+      if (reached[j] == i || !grid.patches[j].planar) return;
+      reached[j] = i;
       found.push_back(j);
     };
     found.clear();
     take(i);
-    std::size_t begin = 0;
+    std::size_t next = 0;
     for (int ring = 0; ring < rings; ++ring) {
-      const std::size_t end = found.size();
-      for (; begin < end; ++begin) grid.forEachNeighbour(found[begin], take);
+      const std::size_t last = found.size();
+      for (; next < last; ++next) grid.forEachNeighbour(found[next], take);
     }
     Moments sum;
     for (const int j : found) sum += grid.patches[j].moments;
     const PlaneFit fit = fitPlane(sum);
     if (!isFlat(sum, fit, patch.range, noise, tolerance)) continue;
-    memory.around_of[i] = static_cast<int>(memory.around.size());
-    memory.around.push_back({sum, fit, sum.radius(), tolerance.inflationOf(sum.n)});
+    result.of.push_back(i);
+    result.around.push_back({sum, fit, sum.radius(), tolerance.inflationOf(sum.n)});
   }
+  return result;
+}
+
+void measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
+                         GrowthMemory& memory, int threads) {
+  const int parts = std::max(1, threads), count = static_cast<int>(grid.patches.size());
+  std::vector<FoundSurroundings> found(static_cast<std::size_t>(parts));
+  const auto partBegin = [&](int part) { return static_cast<int>(static_cast<long long>(count) * part / parts); };
+  forEachPart(threads, parts, [&](int part) {
+    found[part] = measureSurroundings(grid, noise, tolerance, partBegin(part), partBegin(part + 1));
+  });
+  for (const FoundSurroundings& part : found) {
+    for (std::size_t k = 0; k < part.of.size(); ++k) {
+      memory.around_of[part.of[k]] = static_cast<int>(memory.around.size());
+      memory.around.push_back(part.around[k]);
+    }
+  }
+}
+
+// How rough the surroundings of each planar patch are, and its radius.
+void measurePatches(const PatchGrid& grid, GrowthMemory& memory, int threads) {
+  memory.roughness.resize(grid.patches.size());
+  memory.radius.resize(grid.patches.size());
+  forEachRange(threads, static_cast<int>(grid.patches.size()), [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      const Patch& patch = grid.patches[i];
+      if (!patch.planar) continue;
+      Moments around = patch.moments;
+      int missing = 4;
+      grid.forEachNeighbour(i, [&](int j) {
+        if (!grid.patches[j].planar) return;
+        around += grid.patches[j].moments;
+        --missing;
+      });
+      memory.roughness[i] = fitPlane(around).chi2 / std::max(1, around.n - 3) + std::max(0, missing);
+      memory.radius[i] = patch.moments.radius();
+    }
+  });
 }
 
 }  // namespace
 
-void weighPatches(const NoiseModel& noise, PatchGrid& grid) {
-  for (Patch& patch : grid.patches) {
-    const double sigma = noise.sigma(patch.range);
-    patch.weigh(sigma * sigma);
-  }
+void weighPatches(const NoiseModel& noise, PatchGrid& grid, int threads) {
+  forEachRange(threads, static_cast<int>(grid.patches.size()), [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) {
+      const double sigma = noise.sigma(grid.patches[k].range);
+      grid.patches[k].weigh(sigma * sigma);
+    }
+  });
 }
 
-void gatePatches(const NoiseModel& noise, const CoplanarityTolerance& tolerance, PatchGrid& grid) {
-  for (Patch& patch : grid.patches) {
-    patch.planar = false;
-    const int pixels = (patch.row_end - patch.row_begin) * (patch.col_end - patch.col_begin);
-    if (patch.moments.n < std::max(kMinPatchPoints, pixels / 3)) continue;
-    patch.planar = isFlat(patch.moments, patch.fit, patch.range, noise, tolerance);
-  }
+void gatePatches(const NoiseModel& noise, const CoplanarityTolerance& tolerance, PatchGrid& grid, int threads) {
+  forEachRange(threads, static_cast<int>(grid.patches.size()), [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) {
+      Patch& patch = grid.patches[k];
+      const int pixels = (patch.row_end - patch.row_begin) * (patch.col_end - patch.col_begin);
+      patch.planar = patch.moments.n >= std::max(kMinPatchPoints, pixels / 3) &&
+                     isFlat(patch.moments, patch.fit, patch.range, noise, tolerance);
+    }
+  });
 }
 
 double estimateInflation(const PatchGrid& grid) {
@@ -129,7 +179,7 @@ PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const
 }
 
 void growClusters(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
-                  const PatchComparison& comparison, GrowthMemory& memory, PatchClusters& out) {
+                  const PatchComparison& comparison, GrowthMemory& memory, PatchClusters& out, int threads) {
   const int n = static_cast<int>(grid.patches.size());
   out.clusters.clear();
   out.members.clear();
@@ -138,25 +188,16 @@ void growClusters(const PatchGrid& grid, const NoiseModel& noise, const Coplanar
   const bool plain = !comparison.running_plane || !comparison.noise_aware;
 
   // Seeds: patches whose whole neighbourhood is flat come first; there the first steps are safe.
-  std::vector<double>& radius = memory.radius;
-  radius.resize(n);
+  if (n < kFewPatches) threads = 1;
+  measurePatches(grid, memory, threads);
+  const std::vector<double>& radius = memory.radius;
   memory.seeds.clear();
   for (int i = 0; i < n; ++i) {
-    const Patch& patch = grid.patches[i];
-    if (!patch.planar) continue;
-    Moments around = patch.moments;
-    int missing = 4;
-    grid.forEachNeighbour(i, [&](int j) {
-      if (!grid.patches[j].planar) return;
-      around += grid.patches[j].moments;
-      --missing;
-    });
-    memory.seeds.emplace_back(fitPlane(around).chi2 / std::max(1, around.n - 3) + std::max(0, missing), i);
-    radius[i] = patch.moments.radius();
+    if (grid.patches[i].planar) memory.seeds.emplace_back(memory.roughness[i], i);
   }
   memory.around.clear();
   memory.around_of.assign(n, -1);
-  if (!plain) measureSurroundings(grid, noise, tolerance, memory);
+  if (!plain) measureSurroundings(grid, noise, tolerance, memory, threads);
 
   const double greatest = greatestMisfit(threshold);
   std::vector<int>& queue = out.members;

@@ -14,10 +14,11 @@ namespace {
 // Finds the labels of patches within two steps of a patch, itself included.
 class Neighbourhood {
  public:
-  Neighbourhood(const PatchGrid& patches, const CellShares& shares)
+  /// @param only see onlyLabels().
+  Neighbourhood(const PatchGrid& patches, const CellShares& shares, const std::vector<std::int32_t>& only)
       : patches_(patches),
         shares_(shares),
-        only_(onlyLabels(shares)),
+        only_(only),
         reached_(patches.patches.size(), -1),
         found_(patches.patches.size()) {}
 
@@ -57,7 +58,7 @@ class Neighbourhood {
 
   const PatchGrid& patches_;
   const CellShares& shares_;
-  std::vector<std::int32_t> only_;
+  const std::vector<std::int32_t>& only_;
   std::vector<int> reached_;  // the last patch from which each was reached
   std::vector<int> found_;
   std::vector<std::int32_t> labels_;
@@ -99,26 +100,30 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
                   std::int32_t first_open, LabelImage& labels, std::vector<char>& changed, int threads) {
   changed.assign(cells.patches.size(), 0);
   const int count = static_cast<int>(cells.patches.size());
+  const std::vector<std::int32_t> only = onlyLabels(shares);
 
   // The label of cells that have just one, whole; 0 of all others.
-  std::vector<std::int32_t> whole(cells.patches.size(), 0);
-  std::vector<bool> open(cells.patches.size(), false);
-  for (int k = 0; k < count; ++k) {
-    int labelled = 0;
-    for (int s = shares.begin[k]; s < shares.begin[k + 1]; ++s) {
-      labelled += shares.shares[s].moments.n;
-      open[k] = open[k] || shares.shares[s].label >= first_open;
+  std::vector<std::int32_t> whole(cells.patches.size());
+  std::vector<char> open(cells.patches.size());
+  forEachRange(threads, count, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) {
+      int labelled = 0;
+      bool newly = false;
+      for (int s = shares.begin[k]; s < shares.begin[k + 1]; ++s) {
+        labelled += shares.shares[s].moments.n;
+        newly = newly || shares.shares[s].label >= first_open;
+      }
+      const bool full = labelled == cells.patches[k].moments.n;
+      whole[k] = full && only[k] > 0 ? only[k] : 0;
+      open[k] = newly || !full ? 1 : 0;
     }
-    const bool full = labelled == cells.patches[k].moments.n;
-    if (full && shares.begin[k + 1] - shares.begin[k] == 1) whole[k] = shares.shares[shares.begin[k]].label;
-    open[k] = open[k] || !full;
-  }
+  });
   forEachRange(threads, count, [&](int begin, int end) {
     CellResolver resolver(grid, cells, planes, noise, tolerance);
-    Neighbourhood neighbourhood(cells, shares);
+    Neighbourhood neighbourhood(cells, shares, only);
     for (int k = begin; k < end; ++k) {
       const Patch& cell = cells.patches[k];
-      if (cell.moments.n == 0 || !open[k]) continue;
+      if (cell.moments.n == 0 || open[k] == 0) continue;
       const std::int32_t own = whole[k];
       bool inside = own > 0;
       cells.forEachNeighbour(k, [&](int j) { inside = inside && (whole[j] == own || cells.patches[j].moments.n == 0); });
@@ -135,10 +140,11 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
 void contestLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
                    const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
                    const CoplanarityTolerance& tolerance, LabelImage& labels, int threads) {
-  const std::vector<int> border = borderCells(cells, shares);
+  const std::vector<std::int32_t> only = onlyLabels(shares);
+  const std::vector<int> border = borderCells(cells, only);
   forEachRange(threads, static_cast<int>(border.size()), [&](int begin, int end) {
     CellResolver resolver(grid, cells, planes, noise, tolerance);
-    Neighbourhood neighbourhood(cells, shares);
+    Neighbourhood neighbourhood(cells, shares, only);
     for (int k = begin; k < end; ++k) {
       resolver.resolve(cells.patches[border[k]], neighbourhood.labelsAround(border[k]), 1, true, labels);
     }

@@ -358,8 +358,7 @@ std::vector<std::int32_t> onlyLabels(const CellShares& shares) {
   return only;
 }
 
-std::vector<int> borderCells(const PatchGrid& cells, const CellShares& all) {
-  const std::vector<std::int32_t> only = onlyLabels(all);
+std::vector<int> borderCells(const PatchGrid& cells, const std::vector<std::int32_t>& only) {
   std::vector<int> found;
   for (int i = 0; i < static_cast<int>(only.size()); ++i) {
     const std::int32_t label = only[i];
@@ -418,7 +417,7 @@ std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& 
   std::vector<std::int32_t> names(whole.size());
   std::iota(names.begin(), names.end(), 0);
   std::vector<char> fresh(whole.size(), 1);  // pairs of labels that have not changed need no second look
-  std::vector<Meeting> all = findMeetings(cells, shares, borderCells(cells, shares));
+  std::vector<Meeting> all = findMeetings(cells, shares, borderCells(cells, onlyLabels(shares)));
   BorderSums borders(cells, shares, names);
   while (true) {
     std::vector<std::pair<double, LabelPair>> candidates;

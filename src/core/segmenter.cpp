@@ -42,10 +42,11 @@ std::int32_t addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, cons
                              const Config& config, ClusteringMemory& memory, LabelImage& labels) {
   PatchGrid& patches = memory.small_patches;
   makePatchGrid(grid, std::max(2, (config.patch_size + 2) / 2), memory.steps, &labels, config.threads, patches);
-  weighPatches(noise, patches);
-  gatePatches(noise, tolerance, patches);
+  weighPatches(noise, patches, config.threads);
+  gatePatches(noise, tolerance, patches, config.threads);
   const PatchClusters& clusters = memory.clusters;
-  growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config), memory.growth, memory.clusters);
+  growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config), memory.growth, memory.clusters,
+               config.threads);
   const int fewest_points = smallestRegion(config, grid.size()) / 4;
   const std::int32_t first = 1 + highestLabel(labels);
   std::int32_t next = first;
@@ -87,13 +88,14 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
   NoiseModel noise = config.noise_scale > 0.0 ? NoiseModel(config.sensor, config.noise_scale)
                                               : NoiseModel::estimate(patches, config.sensor);
   CoplanarityTolerance tolerance{config.sigma_distance, config.sigma_angle, 1.0};
-  weighPatches(noise, patches);
-  gatePatches(noise, tolerance, patches);
+  weighPatches(noise, patches, config.threads);
+  gatePatches(noise, tolerance, patches, config.threads);
   if (config.noise_aware) estimateCorrelation(config, noise, tolerance, patches);
-  gatePatches(noise, tolerance, patches);
+  gatePatches(noise, tolerance, patches, config.threads);
   timer.lap("fits");
 
-  growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config), memory.growth, memory.clusters);
+  growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config), memory.growth, memory.clusters,
+               config.threads);
   CellShares& shares = memory.shares;
   shareClusters(patches, memory.clusters.cluster_of, shares);
   timer.lap("clustering");

@@ -37,18 +37,17 @@ struct Surroundings {
 /// @brief Working memory of growClusters(), which one image after the other may use.
 struct GrowthMemory {
   std::vector<std::pair<double, int>> seeds;  ///< roughness of the surroundings, index of the patch
-  std::vector<double> radius;
-  std::vector<int> reached, found;
-  std::vector<int> around_of;  ///< for every patch: index of its surroundings, or -1
+  std::vector<double> roughness, radius;      ///< of every patch, where it is planar
+  std::vector<int> around_of;                 ///< for every patch: index of its surroundings, or -1
   std::vector<Surroundings> around;
 };
 
 /// @brief Divides the unit-noise moments of every patch, and the chi-square of its fit, by the variance of a range there.
 /// Call once.
-void weighPatches(const NoiseModel& noise, PatchGrid& grid);
+void weighPatches(const NoiseModel& noise, PatchGrid& grid, int threads = 1);
 
 /// @brief Marks the patches that are flat within the noise and the tolerance. @param grid with weighed moments.
-void gatePatches(const NoiseModel& noise, const CoplanarityTolerance& tolerance, PatchGrid& grid);
+void gatePatches(const NoiseModel& noise, const CoplanarityTolerance& tolerance, PatchGrid& grid, int threads = 1);
 
 /// @brief How much more the planes of neighbouring patches differ than white noise explains: noise that is correlated along
 /// a line, or shared by a whole line, does not average out within a patch. From a low quantile over all pairs. At least 1.
@@ -69,6 +68,6 @@ PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const
 
 /// @brief The same into clusters that are there, whose memory is used again.
 void growClusters(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
-                  const PatchComparison& comparison, GrowthMemory& memory, PatchClusters& out);
+                  const PatchComparison& comparison, GrowthMemory& memory, PatchClusters& out, int threads = 1);
 
 }  // namespace ppc

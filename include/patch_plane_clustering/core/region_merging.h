@@ -41,7 +41,8 @@ std::vector<Eigen::Vector3d> labelPlanes(const CellShares& cells);
 std::vector<std::int32_t> onlyLabels(const CellShares& shares);
 
 /// @brief Cells in which several labels meet, or that lie next to a cell with another label.
-std::vector<int> borderCells(const PatchGrid& cells, const CellShares& shares);
+/// @param only see onlyLabels().
+std::vector<int> borderCells(const PatchGrid& cells, const std::vector<std::int32_t>& only);
 
 /// @brief Merges labels that touch and lie on one plane, most similar first.
 ///
