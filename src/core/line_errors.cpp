@@ -67,10 +67,10 @@ LineNoise measureNoise(const std::vector<LineMisfit>& misfits, Component compone
 std::vector<LineMisfit> measureMisfits(const GridLines& lines, LineErrorKind kind, int stride, int threads) {
   std::vector<LineMisfit> misfits(static_cast<std::size_t>(lines.count()));
   forEachRange(threads, (lines.count() + stride - 1) / stride, [&](int begin, int end) {
-    std::vector<LineSample> scratch;
+    LineMisfitMemory memory;
     for (int n = begin; n < end; ++n) {
       const int k = n * stride + 5 * n % stride;  // never in step with the steps of an encoder
-      if (k > 0 && k + 1 < lines.count()) misfits[k] = measureLineMisfit(lines, k, kind, scratch);
+      if (k > 0 && k + 1 < lines.count()) misfits[k] = measureLineMisfit(lines, k, kind, memory);
     }
   });
   return misfits;

@@ -118,7 +118,9 @@ void sampleLine(const GridLines& lines, int line, const GridLines::Span& span, b
 
 }  // namespace
 
-LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kind, std::vector<LineSample>& samples) {
+LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kind, LineMisfitMemory& memory) {
+  std::vector<LineSample>& samples = memory.samples;
+  std::vector<float>& scratch = memory.numbers;
   const bool turns = kind != LineErrorKind::kRange, ranges = kind != LineErrorKind::kTurn;
   LineMisfit misfit;
   const GridLines::Span span = lines.spanAround(line);
@@ -128,12 +130,10 @@ LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kin
   misfit.range.samples = static_cast<int>(samples.size());
   if (samples.empty()) return misfit;
 
-  std::vector<float> scratch;
-  std::vector<std::pair<float, float>> turned;
   if (turns) clearNoisySlopes(span.angle, samples, scratch);
   double range = 0.0, turn = 0.0;  // the turn against the middle between the two
   for (int round = 0; round < (turns && ranges ? kRounds : 1); ++round) {
-    if (turns) turn = fitTurn(samples, range, turned);
+    if (turns) turn = fitTurn(samples, range, memory.turns);
     if (ranges) range = fitRange(samples, turn, scratch);
   }
   misfit.spread = spreadOf(samples, range, turn, scratch);
@@ -143,7 +143,9 @@ LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kin
 
   // Sums of the normal equations of range and turn.
   double ones = 0.0, sums = 0.0, squares = 0.0;
-  std::vector<float> slopes, off;
+  std::vector<float>&slopes = memory.slopes, &off = memory.off;
+  slopes.clear();
+  off.clear();
   for (const LineSample& s : samples) {
     ones += 1.0;
     if (s.slope == 0.0F) continue;

@@ -34,9 +34,9 @@ double columnStep(const BeamGrid& grid) {
   return steps.empty() ? 0.0 : median(steps);
 }
 
-// Median angle between vertical neighbours in one column.
-double rowStep(const BeamGrid& grid, int col) {
-  std::vector<double> steps;
+// Median angle between vertical neighbours in one column. @param steps scratch, overwritten.
+double rowStep(const BeamGrid& grid, int col, std::vector<double>& steps) {
+  steps.clear();
   const int stride = std::max(1, grid.rows / 32);
   for (int r = 0; r + 1 < grid.rows; r += stride) {
     const int i = grid.index(r, col);
@@ -48,8 +48,11 @@ double rowStep(const BeamGrid& grid, int col) {
 
 // Steps between the rows at columns kStepCols apart, 0 where there is none to go by.
 std::vector<double> rowSteps(const BeamGrid& grid) {
-  std::vector<double> steps;
-  for (int c = 0; c < grid.cols + kStepCols - 1; c += kStepCols) steps.push_back(rowStep(grid, std::min(c, grid.cols - 1)));
+  std::vector<double> steps, scratch;
+  steps.reserve(static_cast<std::size_t>(grid.cols / kStepCols) + 2);
+  for (int c = 0; c < grid.cols + kStepCols - 1; c += kStepCols) {
+    steps.push_back(rowStep(grid, std::min(c, grid.cols - 1), scratch));
+  }
   return steps;
 }
 

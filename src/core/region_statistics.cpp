@@ -229,6 +229,9 @@ PlanarRegion describe(const BeamGrid& grid, std::int32_t id, const std::vector<B
 std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage& labels, int threads) {
   const std::vector<LabelRun> runs = labelRuns(labels);
   std::vector<std::vector<Block>> blocks(static_cast<std::size_t>(highestLabel(runs)) + 1);
+  std::vector<std::size_t> count(blocks.size(), 0);
+  for (const LabelRun& run : runs) count[run.label] += static_cast<std::size_t>((run.end - run.begin + kBlock - 1) / kBlock);
+  for (std::size_t id = 0; id < blocks.size(); ++id) blocks[id].reserve(count[id]);
   for (const LabelRun& run : runs) {
     for (int at = run.begin; at < run.end; at += kBlock) blocks[run.label].push_back({at, std::min(at + kBlock, run.end)});
   }

@@ -33,6 +33,9 @@ bool meets(const Segment& s, const Segment& t) {
 
 std::vector<Segment> segmentsOf(const std::vector<std::vector<Eigen::Vector2d>>& rings) {
   std::vector<Segment> segments;
+  std::size_t count = 0;
+  for (const auto& ring : rings) count += ring.size();
+  segments.reserve(count);
   for (std::size_t r = 0; r < rings.size(); ++r) {
     const auto& ring = rings[r];
     for (std::size_t i = 0; i < ring.size(); ++i) {

@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/grid_lines.h"
 
+#include <utility>
 #include <vector>
 
 namespace ppc {
@@ -35,9 +36,16 @@ struct LineSample {
   float between;  ///< what the beam is said to be off the middle between the two, towards the next line [rad]
 };
 
+/// @brief Working memory of measureLineMisfit(), which one line after the other may use.
+struct LineMisfitMemory {
+  std::vector<LineSample> samples;
+  std::vector<float> numbers, slopes, off;
+  std::vector<std::pair<float, float>> turns;
+};
+
 /// @brief Fits what a line is off, robustly: on a plane inverse range is linear in the direction of the beam, so each beam
 /// is predicted by the two beside it. An error of range moves all beams alike, one of tilt in proportion to the slope.
-/// @param line neither the first nor the last. @param samples scratch, overwritten.
-LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kind, std::vector<LineSample>& samples);
+/// @param line neither the first nor the last. @param memory overwritten.
+LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kind, LineMisfitMemory& memory);
 
 }  // namespace ppc
