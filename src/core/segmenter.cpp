@@ -120,6 +120,8 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
       update();
       if (config.merge) mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels);
       timer.lap("second pass");
+    } else {
+      update();
     }
   }
   const int gap_rows = 2 * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols), gap_cols = 2;
@@ -128,7 +130,6 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
   std::vector<std::int32_t> names = planarNames(grid, noise, tolerance, config.max_turn, labels, config.threads);
   timer.lap("curvature");
   if (config.refine && config.settle_borders) {
-    if (!config.second_pass) update();
     const LabelPieces pieces = {std::move(labels), std::move(whole), std::move(names)};
     whole = settleBorders(grid, patches, shares, labelPlanes(shares), noise, tolerance, pieces,
                           smallestRegion(config, grid.size()), gap_rows, gap_cols, labels, config.threads);

@@ -214,17 +214,35 @@ TEST(Segmenter, ABowedWallIsOneRegion) {
   EXPECT_GT(result.regions[0].points, 0.98 * grid.size());
 }
 
-TEST(Segmenter, ABoxRoomHasSixFacesAlsoTowardsThePoles) {
+// A room of six faces. Beyond +-90 deg the lines see the other side: floor, ceiling and back wall come in parts.
+struct BoxRoom {
   BeamGrid grid = toBeamGrid(noddingScan(361, 541, -45.0 * kDegree, 45.0 * kDegree, 135.0 * kDegree));
-  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY(), z = Eigen::Vector3d::UnitZ();
-  LabelImage truth =
-      scan({wall(-x, -3.0), wall(x, -1.5), wall(-y, -2.0), wall(y, -2.2), wall(-z, -1.2), wall(z, -1.0)}, grid);
-  addNoise(grid, 0.01);
-  const Segmentation result = segmented(grid);
-  splitComponents(0, 0, truth);  // beyond +-90 deg the lines see the other side: floor, ceiling and back wall come in parts
-  const int faces = renumberBySize(grid, 350, truth);
-  EXPECT_GE(faces, 6);
-  expectRegions(truth, faces, result, 0.95);
+  LabelImage truth;
+  int faces = 0;
+
+  BoxRoom() {
+    const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY(), z = Eigen::Vector3d::UnitZ();
+    truth = scan({wall(-x, -3.0), wall(x, -1.5), wall(-y, -2.0), wall(y, -2.2), wall(-z, -1.2), wall(z, -1.0)}, grid);
+    addNoise(grid, 0.01);
+    splitComponents(0, 0, truth);
+    faces = renumberBySize(grid, 350, truth);
+  }
+};
+
+TEST(Segmenter, ABoxRoomHasSixFacesAlsoTowardsThePoles) {
+  const BoxRoom room;
+  EXPECT_GE(room.faces, 6);
+  expectRegions(room.truth, room.faces, segmented(room.grid), 0.95);
+}
+
+TEST(Segmenter, ARoomKeepsItsFacesWithoutAnyOneOfTheLaterSteps) {
+  const BoxRoom room;
+  for (const char* name : {"refine", "second_pass", "settle_borders", "fill_holes"}) {
+    SCOPED_TRACE(name);
+    Config config;
+    setConfigField(config, name, 0.0);
+    expectRegions(room.truth, room.faces, segment(room.grid, config), 0.85);
+  }
 }
 
 TEST(Segmenter, IdsRunByDescendingSizeAndSameInputGivesSameOutput) {
