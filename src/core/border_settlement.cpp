@@ -87,8 +87,10 @@ void giveBack(const LabelPieces& before, const std::vector<LabelRun>& runs, cons
   }
   for (const LabelRun& run : runs) {
     if (is_region[run.label] == 0) continue;
-    for (int i = run.begin; i < run.end; ++i) {
-      if (has_region[labels.labels[i]] == 0) labels.labels[i] = before.whole[run.label];
+    for (int begin = run.begin, end = 0; begin < run.end; begin = end) {
+      end = runEnd(labels.labels.data(), begin, run.end);
+      if (has_region[labels.labels[begin]] != 0) continue;
+      std::fill(labels.labels.begin() + begin, labels.labels.begin() + end, before.whole[run.label]);
     }
   }
 }
@@ -116,14 +118,13 @@ std::vector<std::int32_t> settleBorders(const BeamGrid& grid, const PatchGrid& c
                                         const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
                                         const CoplanarityTolerance& tolerance, const LabelPieces& before, int smallest,
                                         int gap_rows, int gap_cols, LabelImage& labels, int threads) {
-  const std::vector<LabelRun> runs_before = labelRuns(before.labels);
   labels = before.labels;
-  renameLabels(before.whole, runs_before, labels);
+  renameLabels(before.whole, before.runs, labels);
   contestLabels(grid, cells, shares, planes, noise, tolerance, labels, threads);
-  const std::vector<char> is_region = findRegions(before, runs_before, smallest);
-  giveBack(before, runs_before, is_region, planes.size(), labels);
-  std::vector<std::int32_t> whole = splitComponents(gap_rows, gap_cols, labels);
-  const std::vector<LabelRun> runs = labelRuns(labels);
+  const std::vector<char> is_region = findRegions(before, before.runs, smallest);
+  giveBack(before, before.runs, is_region, planes.size(), labels);
+  std::vector<LabelRun> runs;
+  std::vector<std::int32_t> whole = splitComponents(gap_rows, gap_cols, labels, &runs);
   const std::vector<Kept> kept = countKept(before, runs, whole);
   const std::vector<std::int32_t> heir = heirs(kept, before.names.size());
   const std::vector<std::int32_t> names = nameRegions(before, is_region, kept, heir, whole.size());

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/connected_pieces.h"
 
-#include "patch_plane_clustering/core/label_runs.h"
-
 #include <algorithm>
 
 namespace ppc {
 
-std::vector<std::int32_t> splitComponents(int gap_rows, int gap_cols, LabelImage& labels) {
+std::vector<std::int32_t> splitComponents(int gap_rows, int gap_cols, LabelImage& labels, std::vector<LabelRun>* runs_out) {
   // Runs of equal labels along the rows, gaps bridged; runs of nearby rows that overlap belong together.
   struct Run {
     int begin, end, parent;
@@ -60,6 +58,10 @@ std::vector<std::int32_t> splitComponents(int gap_rows, int gap_cols, LabelImage
       }
     }
   }
+  if (runs_out != nullptr) {
+    runs_out->clear();
+    runs_out->reserve(stretches.size());
+  }
   std::vector<std::int32_t> renamed(runs.size(), 0);
   std::vector<std::int32_t> before(1, 0);
   for (const Stretch& stretch : stretches) {
@@ -69,6 +71,12 @@ std::vector<std::int32_t> splitComponents(int gap_rows, int gap_cols, LabelImage
       before.push_back(runs[stretch.run].label);
     }
     std::fill(labels.labels.begin() + stretch.begin, labels.labels.begin() + stretch.end, name);
+    if (runs_out == nullptr) continue;
+    if (!runs_out->empty() && runs_out->back().end == stretch.begin && runs_out->back().label == name) {
+      runs_out->back().end = stretch.end;  // goes on over the end of a row
+    } else {
+      runs_out->push_back({name, stretch.begin, stretch.end});
+    }
   }
   return before;
 }

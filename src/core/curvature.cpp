@@ -300,8 +300,9 @@ std::vector<Bend> measureBends(const BeamGrid& grid, const LabelImage& labels, c
 }
 
 std::vector<std::int32_t> planarNames(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                                      double max_turn, const LabelImage& labels, int threads) {
-  const std::vector<SampledRegion> regions = sampleRegions(grid, labelRuns(labels), noise, threads);
+                                      double max_turn, const LabelImage& labels, const std::vector<LabelRun>& runs,
+                                      int threads) {
+  const std::vector<SampledRegion> regions = sampleRegions(grid, runs, noise, threads);
   std::vector<bool> curved(regions.size(), false), weak(regions.size(), false);
   for (std::size_t label = 1; label < regions.size(); ++label) {
     const Bend& bend = regions[label].bend;

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <utility>
 
 namespace ppc {
 namespace {
@@ -227,7 +228,10 @@ PlanarRegion describe(const BeamGrid& grid, std::int32_t id, const std::vector<B
 }  // namespace
 
 std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage& labels, int threads) {
-  const std::vector<LabelRun> runs = labelRuns(labels);
+  return describeRegions(grid, labelRuns(labels), threads);
+}
+
+std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const std::vector<LabelRun>& runs, int threads) {
   std::vector<std::vector<Block>> blocks(static_cast<std::size_t>(highestLabel(runs)) + 1);
   std::vector<std::size_t> count(blocks.size(), 0);
   for (const LabelRun& run : runs) count[run.label] += static_cast<std::size_t>((run.end - run.begin + kBlock - 1) / kBlock);
@@ -242,7 +246,7 @@ std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage
   return regions;
 }
 
-int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels) {
+int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels, std::vector<LabelRun>* runs_out) {
   const float* const ranges = grid.range.data();
   std::int32_t* const pixels = labels.labels.data();
   for (int i = 0, n = grid.size(); i < n; ++i) {  // without branches, so that it becomes vector code
@@ -250,7 +254,7 @@ int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels) {
     const bool kept = (ranges[i] > 0.0F) & (label > 0);
     pixels[i] = kept ? label : 0;
   }
-  const std::vector<LabelRun> runs = labelRuns(labels);
+  std::vector<LabelRun> runs = labelRuns(labels);
   const std::int32_t highest = highestLabel(runs);
   std::vector<int> count(static_cast<std::size_t>(highest) + 1, 0);
   std::vector<int> first(count.size(), grid.size());
@@ -269,6 +273,11 @@ int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels) {
     if (count[label] >= std::max(1, min_size)) renamed[label] = ++n;
   }
   renameLabels(renamed, runs, labels);
+  if (runs_out != nullptr) {
+    for (LabelRun& run : runs) run.label = renamed[run.label];
+    runs.erase(std::remove_if(runs.begin(), runs.end(), [](const LabelRun& run) { return run.label == 0; }), runs.end());
+    *runs_out = std::move(runs);
+  }
   return n;
 }
 

@@ -125,20 +125,21 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
     }
   }
   const int gap_rows = 2 * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols), gap_cols = 2;
-  std::vector<std::int32_t> whole = splitComponents(gap_rows, gap_cols, labels);
+  std::vector<LabelRun> runs;
+  std::vector<std::int32_t> whole = splitComponents(gap_rows, gap_cols, labels, &runs);
   timer.lap("components");
-  std::vector<std::int32_t> names = planarNames(grid, noise, tolerance, config.max_turn, labels, config.threads);
+  std::vector<std::int32_t> names = planarNames(grid, noise, tolerance, config.max_turn, labels, runs, config.threads);
   timer.lap("curvature");
+  const std::vector<Eigen::Vector3d> planes = labelPlanes(shares);
   if (config.refine && config.settle_borders) {
-    const LabelPieces pieces = {std::move(labels), std::move(whole), std::move(names)};
-    whole = settleBorders(grid, patches, shares, labelPlanes(shares), noise, tolerance, pieces,
-                          smallestRegion(config, grid.size()), gap_rows, gap_cols, labels, config.threads);
+    const LabelPieces pieces = {std::move(labels), std::move(runs), std::move(whole), std::move(names)};
+    whole = settleBorders(grid, patches, shares, planes, noise, tolerance, pieces, smallestRegion(config, grid.size()),
+                          gap_rows, gap_cols, labels, config.threads);
     timer.lap("borders");
   } else {
-    renameLabels(names, labelRuns(labels), labels);
+    renameLabels(names, runs, labels);
   }
   if (config.fill_holes) {
-    const std::vector<Eigen::Vector3d> planes = labelPlanes(shares);
     std::vector<Eigen::Vector3d> piece_planes;
     piece_planes.reserve(whole.size());
     for (const std::int32_t label : whole) piece_planes.push_back(planes[label]);
@@ -164,8 +165,9 @@ Segmentation finishSegmentation(const BeamGrid& grid, LabelImage labels, const C
   Segmentation result;
   result.stages = std::move(stages);
   StageTimer timer(&result.stages);
-  renumberBySize(grid, smallestRegion(config, grid.size()), labels);
-  result.regions = describeRegions(grid, labels, config.threads);
+  std::vector<LabelRun> runs;
+  renumberBySize(grid, smallestRegion(config, grid.size()), labels, &runs);
+  result.regions = describeRegions(grid, runs, config.threads);
   timer.lap("statistics");
   result.polygons = extractPolygons(grid, labels, result.regions, config.polygons, config.threads);
   timer.lap("polygons");

@@ -37,7 +37,7 @@ struct Corner {
   void start(const std::function<std::int32_t(int, int)>& labels) {
     pieces.labels = truth;
     for (int i = 0; i < grid.size(); ++i) pieces.labels.labels[i] = labels(i / grid.cols, i % grid.cols);
-    pieces.whole = splitComponents(0, 0, pieces.labels);
+    pieces.whole = splitComponents(0, 0, pieces.labels, &pieces.runs);
     pieces.names.resize(pieces.whole.size());
     for (std::size_t k = 0; k < pieces.names.size(); ++k) pieces.names[k] = static_cast<std::int32_t>(k);
   }

@@ -34,7 +34,8 @@ struct Scene {
   }
 
   void drop(double max_turn = kMaxTurn, const NoiseModel& noise = kNoise) {
-    renameLabels(planarNames(grid, noise, kTolerance, max_turn, labels), labelRuns(labels), labels);
+    const std::vector<LabelRun> runs = labelRuns(labels);
+    renameLabels(planarNames(grid, noise, kTolerance, max_turn, labels, runs), runs, labels);
   }
 };
 

@@ -95,8 +95,16 @@ TEST(RegionStatistics, RenumberingIsBySizeThenByPlace) {
   std::fill(grid.range.begin(), grid.range.end(), 1.0F);
   grid.range[11] = std::numeric_limits<float>::quiet_NaN();
   LabelImage labels{2, 6, {7, 7, 4, 4, 4, 4, 2, 2, 9, -5, 0, 4}};
-  EXPECT_EQ(renumberBySize(grid, 2, labels), 3);
+  std::vector<LabelRun> runs;
+  EXPECT_EQ(renumberBySize(grid, 2, labels, &runs), 3);
   EXPECT_EQ(labels.labels, (std::vector<std::int32_t>{2, 2, 1, 1, 1, 1, 3, 3, 0, 0, 0, 0}));
+  const std::vector<LabelRun> expected = labelRuns(labels);
+  ASSERT_EQ(runs.size(), expected.size());
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    EXPECT_EQ(runs[k].label, expected[k].label);
+    EXPECT_EQ(runs[k].begin, expected[k].begin);
+    EXPECT_EQ(runs[k].end, expected[k].end);
+  }
 }
 
 }  // namespace

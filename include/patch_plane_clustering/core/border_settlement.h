@@ -2,6 +2,7 @@
 #pragma once
 
 #include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/patch_grid.h"
 #include "patch_plane_clustering/core/region_merging.h"
@@ -16,6 +17,7 @@ namespace ppc {
 /// @brief Connected pieces of labels, and what was made of them.
 struct LabelPieces {
   LabelImage labels;                ///< the pieces
+  std::vector<LabelRun> runs;       ///< of the pieces
   std::vector<std::int32_t> whole;  ///< for every piece the label that it is part of; index = piece, 0 for 0
   std::vector<std::int32_t>
       names;  ///< for every piece itself, 0 if it is no planar region, or another piece that it is given to

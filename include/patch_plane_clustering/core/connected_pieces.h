@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/segmentation.h"
 
 #include <cstdint>
@@ -9,7 +10,9 @@
 namespace ppc {
 
 /// @brief Splits labels into pieces that are connected in the image. Gaps of up to `gap_cols` columns or `gap_rows` rows are
-/// bridged. @return for every new label the one that it was part of; index = label.
-std::vector<std::int32_t> splitComponents(int gap_rows, int gap_cols, LabelImage& labels);
+/// bridged. @param runs if given, set to those of the new labels, as labelRuns().
+/// @return for every new label the one that it was part of; index = label.
+std::vector<std::int32_t> splitComponents(int gap_rows, int gap_cols, LabelImage& labels,
+                                          std::vector<LabelRun>* runs = nullptr);
 
 }  // namespace ppc

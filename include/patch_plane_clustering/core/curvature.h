@@ -2,6 +2,7 @@
 #pragma once
 
 #include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/similarity.h"
@@ -27,8 +28,10 @@ std::vector<Bend> measureBends(const BeamGrid& grid, const LabelImage& labels, c
 /// tolerance. The turn tells a cylinder (a strip as thick as the noise still turns by tenths of a radian) from a real wall,
 /// which may bow by a centimetre over several metres. Touching regions that meet at an angle are strips of one curved
 /// surface if one quadratic surface serves both; at the crease of two planes it does not.
+/// @param runs of the labels.
 /// @return for every label itself if it is planar, 0 if it is curved, or the label of the plane whose soft edge it is.
 std::vector<std::int32_t> planarNames(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                                      double max_turn, const LabelImage& labels, int threads = 1);
+                                      double max_turn, const LabelImage& labels, const std::vector<LabelRun>& runs,
+                                      int threads = 1);
 
 }  // namespace ppc

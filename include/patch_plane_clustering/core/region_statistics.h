@@ -2,6 +2,7 @@
 #pragma once
 
 #include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/segmentation.h"
 
 #include <vector>
@@ -14,9 +15,10 @@ namespace ppc {
 /// @param labels values 1..N, 0 = none; same size as the grid.
 /// @return one region for each id 1..max that has at least 3 points; in ascending id.
 std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage& labels, int threads = 1);
+std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const std::vector<LabelRun>& runs, int threads = 1);
 
 /// @brief Renumbers labels to 1..N in descending number of pixels (ties: first pixel first) and clears regions of fewer than
-/// `min_size` valid points. @return N.
-int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels);
+/// `min_size` valid points. @param runs if given, set to those of the new labels, as labelRuns(). @return N.
+int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels, std::vector<LabelRun>* runs = nullptr);
 
 }  // namespace ppc
