@@ -49,8 +49,10 @@ std::vector<std::int32_t> splitComponents(int gap_rows, int gap_cols, LabelImage
       int above = row_begin[r - back];
       const int above_end = row_begin[r - back + 1];
       for (int k = row_begin[r]; k < row_begin[r + 1]; ++k) {
-        for (int j = above; j < above_end && runs[j].begin < runs[k].end; ++j) {
-          if (runs[j].label != runs[k].label || runs[k].begin >= runs[j].end) continue;
+        const Run run = runs[k];
+        for (int j = above; j < above_end && runs[j].begin < run.end; ++j) {
+          if (runs[j].label != run.label || run.begin >= runs[j].end) continue;
+          if (runs[j].parent == runs[k].parent) continue;  // as most are by then
           const int a = find(j), b = find(k);
           runs[std::max(a, b)].parent = std::min(a, b);
         }
