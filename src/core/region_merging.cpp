@@ -363,12 +363,10 @@ std::vector<int> borderCells(const PatchGrid& cells, const std::vector<std::int3
   for (int i = 0; i < static_cast<int>(only.size()); ++i) {
     const std::int32_t label = only[i];
     if (label == 0) continue;
-    bool border = label < 0;
-    for (int k = cells.neighbour_begin[i]; !border && k < cells.neighbour_begin[i + 1]; ++k) {
-      const std::int32_t other = only[cells.neighbours[k]];
-      border = (other != 0) & (other != label);
-    }
-    if (border) found.push_back(i);
+    const int* const end = cells.neighbours.data() + cells.neighbour_begin[i + 1];
+    const int* const other = std::find_if(cells.neighbours.data() + cells.neighbour_begin[i], end,
+                                          [&](int j) { return only[j] != 0 && only[j] != label; });
+    if (label < 0 || other != end) found.push_back(i);
   }
   return found;
 }

@@ -51,7 +51,8 @@ struct PatchGrid {
   /// Calls f(i) for the patches i that share an edge with patch `index`; a patch without points is given none.
   template <typename F>
   void forEachNeighbour(int index, F&& f) const {
-    for (int k = neighbour_begin[index]; k < neighbour_begin[index + 1]; ++k) f(neighbours[k]);
+    const int* const end = neighbours.data() + neighbour_begin[index + 1];  // not read again after each f
+    for (const int* at = neighbours.data() + neighbour_begin[index]; at != end; ++at) f(*at);
   }
 };
 
