@@ -135,6 +135,7 @@ struct MeetingRun {
 // Runs of which at least one label is fresh, in ascending pairs. There are far fewer of them to sort than meetings.
 std::vector<MeetingRun> freshRuns(const std::vector<Meeting>& meetings, const std::vector<char>& fresh) {
   std::vector<MeetingRun> runs;
+  runs.reserve(meetings.size());
   const int count = static_cast<int>(meetings.size());
   for (int begin = 0, end = 0; begin < count; begin = end) {
     for (end = begin + 1; end < count && meetings[end].key == meetings[begin].key;) ++end;
