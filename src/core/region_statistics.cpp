@@ -142,26 +142,42 @@ struct BeamLaneSums {
   }
 };
 
-// Adds the valid pixels [begin, end).
-void addBeams(const BeamGrid& grid, int begin, int end, const PlanarRegion& region, const Eigen::Vector3f& t1,
-              const Eigen::Vector3f& t2, BeamLaneSums& sums) {
-  const Eigen::Vector3f n = region.plane.normal.cast<float>(), center = region.centroid.cast<float>();
-  BeamLaneSums s = sums;
-  forEachBeams(grid, begin, end, [&](const BeamLanes& beam) {
-    const Lanes cosine = n.x() * beam.dir_x + n.y() * beam.dir_y + n.z() * beam.dir_z;
+struct Block {
+  int begin, end;  // at most kBlock pixels of one label
+};
+
+// A vector that is the same for all lanes.
+struct VectorLanes {
+  Lanes x, y, z;
+
+  explicit VectorLanes(const Eigen::Vector3f& v) : x(fill(v.x())), y(fill(v.y())), z(fill(v.z())) {}
+  Lanes dot(Lanes ox, Lanes oy, Lanes oz) const { return x * ox + y * oy + z * oz; }
+};
+
+// What residuals along the beams are measured from.
+struct BeamFrame {
+  VectorLanes normal, centroid, tangent1, tangent2;
+};
+
+// Sums the valid pixels of some blocks.
+BeamLaneSums sumBeams(const BeamGrid& grid, const Block* begin, const Block* end, const BeamFrame& frame) {
+  const VectorLanes n = frame.normal, center = frame.centroid, u1 = frame.tangent1, u2 = frame.tangent2;
+  BeamLaneSums s;
+  const auto add = [&](const BeamLanes& beam) {
+    const Lanes cosine = n.dot(beam.dir_x, beam.dir_y, beam.dir_z);
     const LaneMask used = beam.valid & (cosine < fill(-kMinCosine));
     const Lanes inverse = used ? 1.0F / cosine : Lanes{};
     // From the centroid, not from the frame's origin: short distances keep their digits.
-    const Lanes ox = beam.origin_x - center.x(), oy = beam.origin_y - center.y(), oz = beam.origin_z - center.z();
-    const Lanes height = n.x() * ox + n.y() * oy + n.z() * oz;
+    const Lanes ox = beam.origin_x - center.x, oy = beam.origin_y - center.y, oz = beam.origin_z - center.z;
+    const Lanes height = n.dot(ox, oy, oz);
     const Lanes distance = beam.valid ? height + beam.range * cosine : Lanes{};
     s.across += distance * distance;
     const Lanes range = -height * inverse;
     const Lanes residual = used ? beam.range - range : Lanes{};
     const Lanes qx = ox + range * beam.dir_x, qy = oy + range * beam.dir_y, qz = oz + range * beam.dir_z;
     // n' = n + alpha t1 + beta t2, offset gamma at the centroid: d range = (gamma - alpha t1.q - beta t2.q) / (n.u)
-    const Lanes a = -(t1.x() * qx + t1.y() * qy + t1.z() * qz) * inverse;
-    const Lanes b = -(t2.x() * qx + t2.y() * qy + t2.z() * qz) * inverse;
+    const Lanes a = u1.dot(qx, qy, qz) * -inverse;
+    const Lanes b = u2.dot(qx, qy, qz) * -inverse;
     s.aa += a * a;
     s.ab += a * b;
     s.ac += a * inverse;
@@ -173,8 +189,9 @@ void addBeams(const BeamGrid& grid, int begin, int end, const PlanarRegion& regi
     s.rc += inverse * residual;
     s.squares += residual * residual;
     s.n += used;
-  });
-  sums = s;
+  };
+  for (const Block* block = begin; block != end; ++block) forEachBeams(grid, block->begin, block->end, add);
+  return s;
 }
 
 void refineAlongBeams(const BeamSums& s, PlanarRegion& region) {
@@ -198,10 +215,6 @@ void refineAlongBeams(const BeamSums& s, PlanarRegion& region) {
   region.covariance = variance * jacobian * solver.solve(Eigen::Matrix3d::Identity()) * jacobian.transpose();
 }
 
-struct Block {
-  int begin, end;  // at most kBlock pixels of one label
-};
-
 PlanarRegion describe(const BeamGrid& grid, std::int32_t id, const std::vector<Block>& blocks) {
   PointSums sums;
   for (const Block& block : blocks) addPoints(grid, block.begin, block.end, sums);
@@ -211,13 +224,11 @@ PlanarRegion describe(const BeamGrid& grid, std::int32_t id, const std::vector<B
   BeamSums beams;
   beams.tangent1 = region.plane.normal.unitOrthogonal();
   beams.tangent2 = region.plane.normal.cross(beams.tangent1);
-  const Eigen::Vector3f t1 = beams.tangent1.cast<float>(), t2 = beams.tangent2.cast<float>();
+  const BeamFrame frame{VectorLanes(region.plane.normal.cast<float>()), VectorLanes(region.centroid.cast<float>()),
+                        VectorLanes(beams.tangent1.cast<float>()), VectorLanes(beams.tangent2.cast<float>())};
   for (std::size_t first = 0; first < blocks.size(); first += kBeamBlocks) {
-    BeamLaneSums lanes;
-    for (std::size_t k = first; k < std::min(first + kBeamBlocks, blocks.size()); ++k) {
-      addBeams(grid, blocks[k].begin, blocks[k].end, region, t1, t2, lanes);
-    }
-    lanes.addTo(beams);
+    const std::size_t last = std::min(first + kBeamBlocks, blocks.size());
+    sumBeams(grid, blocks.data() + first, blocks.data() + last, frame).addTo(beams);
   }
   region.rms = std::sqrt(beams.across / region.points);
   region.covariance *= beams.across / std::max(1, region.points - 3);
