@@ -24,6 +24,7 @@ constexpr double kMaxBowRadius = 1.0;  // the radius for it [m]
 constexpr double kBowTurn = 0.14;      // largest angle between two parts of one bowed surface [rad]
 constexpr double kWideRadius = 8.0;    // least radius of a wide bow [m]
 constexpr double kBowEvidence = 1.5;   // least misfit of the planes of both parts at the border over that of one plane there
+constexpr double kWideEvidence = 1.1;  // likewise, for parts of a wide bow
 constexpr double kBowSignificance = 25.0;  // far beyond chi-square with 3 degrees of freedom
 constexpr int kBorderSteps = 2;            // depth of a border in cells
 constexpr int kMinBorderPoints = 6;
@@ -68,10 +69,10 @@ double stepSimilarity(const Moments& a, const Moments& b, const PlaneFit& joint,
 
 // One bowed surface (a sagging floor, a wall that is not flat): turned a little, and smooth where the two meet. At a crease
 // the planes of the wholes fit their sides of the border best; across a bow, one plane of its own fits the border better.
-bool isBowed(const Whole& a, const Whole& b, const Moments& side_a, const Moments& side_b,
+bool isBowed(const Whole& a, const Whole& b, bool wide, const Moments& side_a, const Moments& side_b,
              const CoplanarityTolerance& tolerance) {
   const double crease = chiSquare(side_a, a.fit.a) + chiSquare(side_b, b.fit.a);
-  return crease > kBowEvidence * fitPlane(side_a + side_b).chi2 +
+  return crease > (wide ? kWideEvidence : kBowEvidence) * fitPlane(side_a + side_b).chi2 +
                       kBowSignificance * tolerance.inflationOf(std::min(side_a.n, side_b.n));
 }
 
@@ -434,10 +435,10 @@ std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& 
       if (first.n < kMinBorderPoints || second.n < kMinBorderPoints) continue;
       // Over a wide bow, the plane of both leaves the border: a step shows in the nearest of both sides alone.
       const bool level = stepSimilarity(first, second, joint, noise, tolerance) >= threshold;
-      const bool wide = !level && may_bow && isWideBow(a, b);
+      const bool wide = may_bow && isWideBow(a, b);
       if (!level && !wide) continue;
-      if (!(level && s >= threshold) && !isBowed(a, b, first, second, tolerance)) continue;
-      if (wide) {
+      if (!(level && s >= threshold) && !isBowed(a, b, wide, first, second, tolerance)) continue;
+      if (!level) {
         const Eigen::Vector3d normal = (a.fit.normal() + b.fit.normal()).normalized();
         const Step step = borders.measureStep(pair, all, &runs[begin], runs.data() + end, normal);
         if (!isLevel(step, (first + second).mean().norm(), noise, tolerance, threshold)) continue;

@@ -69,6 +69,15 @@ inline Surface wall(const Eigen::Vector3d& normal, double d) {
   return surfaceOf({{normal.normalized(), d / normal.norm()}, [](const Eigen::Vector3d&) { return true; }});
 }
 
+/// The outside of a ball.
+inline Surface ball(const Eigen::Vector3d& center, double radius) {
+  return [=](const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
+    const Eigen::Vector3d o = origin - center;
+    const double b = o.dot(direction), root = b * b - o.squaredNorm() + radius * radius;
+    return root >= 0.0 && b < 0.0 ? -b - std::sqrt(root) : kNoHit;
+  };
+}
+
 /// The outside of an upright cylinder about (x, y).
 inline Surface column(double x, double y, double radius) {
   return [=](const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {

@@ -140,7 +140,7 @@ Scene wideBow(double step) {
   return Scene({wall}, 136, forwardBeams(40, 160, 0.01));  // column 136 looks at y = 1.9 m
 }
 
-TEST(MergeLabels, JoinsTheUnequalPartsOfAWideBowButNotAcrossAStep) {
+TEST(MergeLabels, JoinsThePartsOfAWideBowButNotAcrossAStep) {
   Scene bowed = wideBow(0.0);
   bowed.merge();
   EXPECT_EQ(countOf(bowed.labels, bowed.labels.labels[0]), bowed.grid.size());
@@ -148,6 +148,12 @@ TEST(MergeLabels, JoinsTheUnequalPartsOfAWideBowButNotAcrossAStep) {
   const std::vector<std::int32_t> before = stepped.labels.labels;
   stepped.merge();
   EXPECT_EQ(stepped.labels.labels, before);
+}
+
+TEST(MergeLabels, JoinsTheHalvesOfADome) {  // no plane fits its long border either
+  Scene dome({ball({34.0, 0.0, 0.0}, 31.0)}, 70, forwardBeams(160, 140, 0.01));
+  dome.merge();
+  EXPECT_EQ(countOf(dome.labels, dome.labels.labels[0]), dome.grid.size());
 }
 
 TEST(MergeLabels, KeepsPiecesApartThatDoNotTouch) {
