@@ -18,7 +18,7 @@ constexpr double kOneRing = 0.7;
 constexpr double kTwoRings = 1.5;
 constexpr int kClusterSizes = 3;  // size of a cluster over that of such surroundings before they are asked
 constexpr int kInflationPatches = 3000;
-constexpr int kFewPatches = 2000;  // not worth a second thread
+constexpr int kFewPatches = 2000;           // not worth a second thread
 constexpr std::ptrdiff_t kSortedShare = 8;  // of the seeds, the part that is sorted at a time
 constexpr std::ptrdiff_t kLeastSorted = 64;
 
@@ -59,7 +59,11 @@ struct FoundSurroundings {
 FoundSurroundings measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
                                       int begin, int end) {
   FoundSurroundings result;
-  std::vector<int> reached, found;
+  struct Wave {
+    std::vector<int> reached;  // the last patch from which each was
+    std::vector<int> found;
+  } wave;
+  std::vector<int>& found = wave.found;
   for (int i = begin; i < end; ++i) {
     const Patch& patch = grid.patches[i];
     if (!patch.planar) continue;
@@ -69,10 +73,10 @@ FoundSurroundings measureSurroundings(const PatchGrid& grid, const NoiseModel& n
     const double distance = tolerance.forNoise(sigma).sigma_distance;
     const int rings = uncertainty > kTwoRings * distance ? 2 : uncertainty > kOneRing * distance ? 1 : 0;
     if (rings == 0) continue;
-    if (reached.empty()) reached.assign(grid.patches.size(), -1);
+    if (wave.reached.empty()) wave.reached.assign(grid.patches.size(), -1);
     const auto take = [&](int j) {
-      if (reached[j] == i || !grid.patches[j].planar) return;
-      reached[j] = i;
+      if (wave.reached[j] == i || !grid.patches[j].planar) return;
+      wave.reached[j] = i;
       found.push_back(j);
     };
     found.clear();

@@ -135,7 +135,7 @@ void CornerProjection::projectPair(const PlacePair& at, int count, OutlinePoint*
   const Pair incidence = u.dot(n);
   const Pair t = (region_.plane.d - origin.value.dot(n)) / incidence;
   const auto within = (least <= t) & (t <= most);
-  const Pair limit = (t > Pair{}) & (t < least) ? least : most;  // a beam that misses the plane meets it at infinity
+  const Pair limit = ((t > Pair{}) & (t < least)) ? least : most;  // a beam that misses the plane meets it at infinity
   const Pair range = within ? t : limit;
 
   const PairVector point = origin.value + range * u;

@@ -174,7 +174,7 @@ void listPatches(const BeamGrid& grid, const LabelImage* done, int threads, Patc
     forEachRange(threads, out.strips(), [&](int begin, int end) { markOpenBlocks(grid, *done, begin, end, out); });
   }
   int count = 0;
-  for (int& patch : out.patch_of_block) count += patch + 1;
+  for (const int patch : out.patch_of_block) count += patch + 1;
   out.patches.resize(static_cast<std::size_t>(count));
   int next = 0;
   forEachBlock(out, [&](int strip, int k) {

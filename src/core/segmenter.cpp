@@ -99,8 +99,10 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
   CellShares& shares = memory.shares;
   shareClusters(patches, memory.clusters.cluster_of, shares);
   timer.lap("clustering");
-  if (config.merge) mergeShares(patches, noise, tolerance, config.similarity_threshold, shares);
-  if (config.merge) timer.lap("merging");
+  if (config.merge) {
+    mergeShares(patches, noise, tolerance, config.similarity_threshold, shares);
+    timer.lap("merging");
+  }
   LabelImage labels;
   patchLabels(grid, patches, shares, labels, config.threads);
   std::vector<char>& changed = memory.changed;
