@@ -63,7 +63,6 @@ FoundSurroundings measureSurroundings(const PatchGrid& grid, const NoiseModel& n
     std::vector<int> reached;  // the last patch from which each was
     std::vector<int> found;
   } wave;
-  std::vector<int>& found = wave.found;
   for (int i = begin; i < end; ++i) {
     const Patch& patch = grid.patches[i];
     if (!patch.planar) continue;
@@ -77,17 +76,17 @@ FoundSurroundings measureSurroundings(const PatchGrid& grid, const NoiseModel& n
     const auto take = [&](int j) {
       if (wave.reached[j] == i || !grid.patches[j].planar) return;
       wave.reached[j] = i;
-      found.push_back(j);
+      wave.found.push_back(j);
     };
-    found.clear();
+    wave.found.clear();
     take(i);
     std::size_t next = 0;
     for (int ring = 0; ring < rings; ++ring) {
-      const std::size_t last = found.size();
-      for (; next < last; ++next) grid.forEachNeighbour(found[next], take);
+      const std::size_t last = wave.found.size();
+      for (; next < last; ++next) grid.forEachNeighbour(wave.found[next], take);
     }
     Moments sum;
-    for (const int j : found) sum += grid.patches[j].moments;
+    for (const int j : wave.found) sum += grid.patches[j].moments;
     const PlaneFit fit = fitPlane(sum);
     if (!isFlat(sum, fit, patch.range, noise, tolerance)) continue;
     result.of.push_back(i);
