@@ -104,12 +104,35 @@ std::vector<std::int32_t> nameRegions(const LabelPieces& before, const std::vect
   const std::vector<std::int32_t> origin = origins(kept, count);
   std::vector<std::int32_t> names(count, 0);
   for (std::size_t piece = 1; piece < count; ++piece) {
-    if (balance[piece] <= 0) continue;
+    if (balance[piece] > 0) names[piece] = static_cast<std::int32_t>(piece);
+  }
+  for (std::size_t piece = 1; piece < count; ++piece) {
+    if (names[piece] == 0) continue;
     const std::int32_t name = before.names[origin[piece]];
-    const bool given = name != 0 && name != origin[piece] && heir[name] != 0;
-    names[piece] = given ? heir[name] : static_cast<std::int32_t>(piece);
+    if (name != 0 && name != origin[piece] && names[heir[name]] != 0) names[piece] = names[heir[name]];
   }
   return names;
+}
+
+// Writes names, but what kept its label stays what it was: points of a region are not lost to what is none, and those of no
+// region do not come back with a region that has reached them.
+void writeNames(const LabelPieces& before, const std::vector<char>& is_region, const std::vector<std::int32_t>& heir,
+                const std::vector<std::int32_t>& whole, const std::vector<std::int32_t>& names,
+                const std::vector<LabelRun>& runs, LabelImage& labels) {
+  for (const LabelRun& run : runs) {
+    for (int begin = run.begin, end = 0; begin < run.end; begin = end) {
+      end = runEnd(before.labels.labels.data(), begin, run.end);
+      const std::int32_t was = before.labels.labels[begin];
+      std::int32_t name = names[run.label];
+      if (is_region[was] != 0) {
+        const std::int32_t home = heir[before.names[was]];
+        if (name == 0) name = names[home] != 0 ? names[home] : home;
+      } else if (was != 0 && before.whole[was] == whole[run.label]) {
+        name = 0;
+      }
+      std::fill(labels.labels.begin() + begin, labels.labels.begin() + end, name);
+    }
+  }
 }
 
 }  // namespace
@@ -128,7 +151,7 @@ std::vector<std::int32_t> settleBorders(const BeamGrid& grid, const PatchGrid& c
   const std::vector<Kept> kept = countKept(before, runs, whole);
   const std::vector<std::int32_t> heir = heirs(kept, before.names.size());
   const std::vector<std::int32_t> names = nameRegions(before, is_region, kept, heir, whole.size());
-  renameLabels(names, runs, labels);
+  writeNames(before, is_region, heir, whole, names, runs, labels);
   return whole;
 }
 

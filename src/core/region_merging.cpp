@@ -85,7 +85,7 @@ bool isWideBow(const Whole& a, const Whole& b) {
 // Two labels that meet, at two cells or in one.
 struct Meeting {
   std::uint64_t key;  // both labels in one number, quick to sort by
-  int cell, other;
+  int cell, other;    // of the lower and the higher label
 
   static std::uint64_t keyOf(std::int32_t a, std::int32_t b) {
     return static_cast<std::uint64_t>(std::min(a, b)) << 32U | static_cast<std::uint64_t>(std::max(a, b));
@@ -102,7 +102,7 @@ std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellShares& all,
       const std::int32_t a = all.shares[s].label;
       const auto meet = [&](int t, int j) {
         const std::int32_t b = all.shares[t].label;
-        if (a != b) meetings.push_back({Meeting::keyOf(a, b), i, j});
+        if (a != b) meetings.push_back({Meeting::keyOf(a, b), a < b ? i : j, a < b ? j : i});
       };
       for (int t = s + 1; t < all.begin[i + 1]; ++t) meet(t, i);
       cells.forEachNeighbour(i, [&](int j) {
@@ -122,6 +122,7 @@ void renameMeetings(const std::vector<std::int32_t>& now, std::vector<Meeting>& 
     const std::int32_t a = now[pair.first], b = now[pair.second];
     if (a == b) continue;
     meeting.key = Meeting::keyOf(a, b);
+    if (a > b) std::swap(meeting.cell, meeting.other);
     meetings[kept++] = meeting;
   }
   meetings.resize(kept);
@@ -147,12 +148,13 @@ std::vector<MeetingRun> freshRuns(const std::vector<Meeting>& meetings, const st
   return runs;
 }
 
-// Height of a step, and the points that it is known from: its variance is that of a point over them.
+// Height of a step, and the points that it is known from: its variance is that of a point over them, and up to four times
+// that, as a cell may meet several others.
 struct Step {
   double height = 0.0, points = 0.0;
 };
 
-// No step, and that for certain: what noise leaves open counts against it.
+// No step, and that for certain: what noise leaves open counts against it, by the larger of these variances.
 bool isLevel(const Step& step, double range, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
              double threshold) {
   if (!(step.points > 0.0)) return false;
@@ -205,11 +207,7 @@ class BorderSums {
                    const MeetingRun* end, const Eigen::Vector3d& normal) const {
     Step step;
     const auto add = [&](const Meeting* at) {
-      Moments a = momentsIn(at->cell, pair.first), b = momentsIn(at->other, pair.second);
-      if (a.n == 0 || b.n == 0) {
-        a = momentsIn(at->other, pair.first);
-        b = momentsIn(at->cell, pair.second);
-      }
+      const Moments a = momentsIn(at->cell, pair.first), b = momentsIn(at->other, pair.second);
       if (a.n == 0 || b.n == 0) return;
       const double points = 1.0 / (1.0 / a.n + 1.0 / b.n);
       step.height += points * normal.dot(b.mean() - a.mean());

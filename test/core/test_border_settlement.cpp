@@ -104,14 +104,32 @@ TEST(SettleBorders, AScrapDoesNotGrowIntoARegion) {
   EXPECT_EQ(whole[large.labels[corner.grid.index(40, 43)]], 2);
 }
 
-TEST(SettleBorders, ASoftEdgeStaysWithItsPlane) {
+TEST(SettleBorders, AScrapTakesNothingThoughItsLabelHasARegionElsewhere) {
   Corner corner;
-  corner.start([](int, int c) { return c < 40 ? 1 : c < 48 ? 3 : 2; });
-  corner.pieces.names[corner.pieceAt(0, 44)] = corner.pieceAt(0, 79);
+  const auto scrap = [](int r, int c) { return r >= 28 && r < 32 && c >= 48 && c < 54; };  // 24 points
+  corner.start([&](int r, int c) { return c >= 70 || scrap(r, c) ? 2 : 1; });
   const LabelImage out = corner.settle();
-  EXPECT_GT(out.labels[corner.grid.index(30, 44)], 0);
-  EXPECT_EQ(out.labels[corner.grid.index(30, 44)], out.labels[corner.grid.index(30, 70)]);
-  EXPECT_NE(out.labels[corner.grid.index(30, 44)], out.labels[corner.grid.index(30, 20)]);
+  EXPECT_EQ(out.labels[corner.grid.index(30, 50)], 0);
+  EXPECT_LE(countOf(out, 0), 24);
+}
+
+TEST(SettleBorders, ARegionIsNotLostToACurvedPieceOfItsLabel) {
+  Corner corner;  // the piece to the right is curved; a sliver of another label parts it from the region
+  corner.start([](int, int c) { return c < 40 ? 1 : c < 56 ? 2 : c < 58 ? 1 : 2; });
+  corner.pieces.names[corner.pieceAt(0, 79)] = 0;
+  const LabelImage out = corner.settle();
+  EXPECT_GT(out.labels[corner.grid.index(30, 48)], 0);
+  EXPECT_EQ(out.labels[corner.grid.index(30, 70)], 0);
+}
+
+TEST(SettleBorders, ASoftEdgeStaysWithItsPlane) {
+  Corner corner;  // the strip is wider than what competes
+  corner.start([](int, int c) { return c < 40 ? 1 : c < 60 ? 3 : 2; });
+  corner.pieces.names[corner.pieceAt(0, 50)] = corner.pieceAt(0, 79);
+  const LabelImage out = corner.settle();
+  EXPECT_GT(out.labels[corner.grid.index(30, 50)], 0);
+  EXPECT_EQ(out.labels[corner.grid.index(30, 50)], out.labels[corner.grid.index(30, 70)]);
+  EXPECT_NE(out.labels[corner.grid.index(30, 50)], out.labels[corner.grid.index(30, 20)]);
 }
 
 TEST(SettleBorders, LeavesAnImageWithoutLabelsAlone) {
