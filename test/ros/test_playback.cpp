@@ -147,7 +147,8 @@ TEST(Playback, aLoopingBagGivesTheSameSweepsAgainAndIsTunedMeanwhile) {
   statistics.clear();
   ASSERT_TRUE(waitFor([&] { return images.size() >= 3 && !statistics.empty() && statistics.back()->polygons >= 3; }, 60.0));
   for (const auto& image : images) {
-    EXPECT_LE(image->height, 83U);
+    // A driver that starts shortly before a turning point keeps the lines before it: six are within the hysteresis there.
+    EXPECT_LE(image->height, 89U);
     for (std::size_t r = 0; r < image->height; ++r) {
       EXPECT_NEAR(image->tilts[r], player.tilt(image->row_stamps[r].toSec() + 0.0075), 1e-3);
     }
