@@ -17,17 +17,24 @@ struct Kept {
   int points;
 };
 
+// Calls f(piece, was, begin, end) for every stretch of pixels of one new piece and one piece before, or none (0).
+template <typename F>
+void forEachStretch(const LabelPieces& before, const std::vector<LabelRun>& runs, F&& f) {
+  for (const LabelRun& run : runs) {
+    for (int begin = run.begin, end = 0; begin < run.end; begin = end) {
+      end = runEnd(before.labels.labels.data(), begin, run.end);
+      f(run.label, before.labels.labels[begin], begin, end);
+    }
+  }
+}
+
 // What the new pieces have kept, by piece and piece before.
 std::vector<Kept> countKept(const LabelPieces& before, const std::vector<LabelRun>& runs,
                             const std::vector<std::int32_t>& whole) {
   std::vector<Kept> kept;
-  for (const LabelRun& run : runs) {
-    for (int begin = run.begin, end = 0; begin < run.end; begin = end) {
-      end = runEnd(before.labels.labels.data(), begin, run.end);
-      const std::int32_t was = before.labels.labels[begin];
-      if (was != 0 && before.whole[was] == whole[run.label]) kept.push_back({run.label, was, end - begin});
-    }
-  }
+  forEachStretch(before, runs, [&](std::int32_t piece, std::int32_t was, int begin, int end) {
+    if (was != 0 && before.whole[was] == whole[piece]) kept.push_back({piece, was, end - begin});
+  });
   std::sort(kept.begin(), kept.end(),
             [](const Kept& a, const Kept& b) { return a.piece != b.piece ? a.piece < b.piece : a.before < b.before; });
   std::size_t size = 0;
@@ -43,9 +50,9 @@ std::vector<Kept> countKept(const LabelPieces& before, const std::vector<LabelRu
 }
 
 // Whether each piece before is, or is part of, a region that is large enough.
-std::vector<char> findRegions(const LabelPieces& before, const std::vector<LabelRun>& runs, int smallest) {
+std::vector<char> findRegions(const LabelPieces& before, int smallest) {
   std::vector<int> points(before.names.size(), 0);
-  for (const LabelRun& run : runs) points[before.names[run.label]] += run.end - run.begin;
+  for (const LabelRun& run : before.runs) points[before.names[run.label]] += run.end - run.begin;
   std::vector<char> is_region(before.names.size(), 0);
   for (std::size_t piece = 1; piece < is_region.size(); ++piece) {
     const std::int32_t name = before.names[piece];
@@ -54,38 +61,26 @@ std::vector<char> findRegions(const LabelPieces& before, const std::vector<Label
   return is_region;
 }
 
-// For every piece before, the new piece that has most of it; 0 if there is none.
-std::vector<std::int32_t> heirs(const std::vector<Kept>& kept, std::size_t count) {
-  std::vector<std::int32_t> heir(count, 0);
+// For every piece of one kind, the one of the other kind that it shares most points with; 0 if there is none.
+std::vector<std::int32_t> mostOf(const std::vector<Kept>& kept, std::int32_t Kept::*of, std::int32_t Kept::*other,
+                                 std::size_t count) {
+  std::vector<std::int32_t> found(count, 0);
   std::vector<int> points(count, 0);
   for (const Kept& k : kept) {
-    if (k.points <= points[k.before]) continue;
-    points[k.before] = k.points;
-    heir[k.before] = k.piece;
+    if (k.points <= points[k.*of]) continue;
+    points[k.*of] = k.points;
+    found[k.*of] = k.*other;
   }
-  return heir;
-}
-
-// For every new piece, the piece before that most of what it has kept is of; 0 if there is none.
-std::vector<std::int32_t> origins(const std::vector<Kept>& kept, std::size_t count) {
-  std::vector<std::int32_t> origin(count, 0);
-  std::vector<int> points(count, 0);
-  for (const Kept& k : kept) {
-    if (k.points <= points[k.piece]) continue;
-    points[k.piece] = k.points;
-    origin[k.piece] = k.before;
-  }
-  return origin;
+  return found;
 }
 
 // Gives points of regions that went to a label without any region back to theirs: such a label may only defend its own.
-void giveBack(const LabelPieces& before, const std::vector<LabelRun>& runs, const std::vector<char>& is_region,
-              std::size_t count, LabelImage& labels) {
+void giveBack(const LabelPieces& before, const std::vector<char>& is_region, std::size_t count, LabelImage& labels) {
   std::vector<char> has_region(count, 0);  // of each label
   for (std::size_t piece = 1; piece < is_region.size(); ++piece) {
     if (is_region[piece] != 0) has_region[before.whole[piece]] = 1;
   }
-  for (const LabelRun& run : runs) {
+  for (const LabelRun& run : before.runs) {
     if (is_region[run.label] == 0) continue;
     for (int begin = run.begin, end = 0; begin < run.end; begin = end) {
       end = runEnd(labels.labels.data(), begin, run.end);
@@ -101,7 +96,7 @@ std::vector<std::int32_t> nameRegions(const LabelPieces& before, const std::vect
                                       std::size_t count) {
   std::vector<int> balance(count, 0);
   for (const Kept& k : kept) balance[k.piece] += is_region[k.before] != 0 ? k.points : -k.points;
-  const std::vector<std::int32_t> origin = origins(kept, count);
+  const std::vector<std::int32_t> origin = mostOf(kept, &Kept::piece, &Kept::before, count);  // of each
   std::vector<std::int32_t> names(count, 0);
   for (std::size_t piece = 1; piece < count; ++piece) {
     if (balance[piece] > 0) names[piece] = static_cast<std::int32_t>(piece);
@@ -119,20 +114,16 @@ std::vector<std::int32_t> nameRegions(const LabelPieces& before, const std::vect
 void writeNames(const LabelPieces& before, const std::vector<char>& is_region, const std::vector<std::int32_t>& heir,
                 const std::vector<std::int32_t>& whole, const std::vector<std::int32_t>& names,
                 const std::vector<LabelRun>& runs, LabelImage& labels) {
-  for (const LabelRun& run : runs) {
-    for (int begin = run.begin, end = 0; begin < run.end; begin = end) {
-      end = runEnd(before.labels.labels.data(), begin, run.end);
-      const std::int32_t was = before.labels.labels[begin];
-      std::int32_t name = names[run.label];
-      if (is_region[was] != 0) {
-        const std::int32_t home = heir[before.names[was]];
-        if (name == 0) name = names[home] != 0 ? names[home] : home;
-      } else if (was != 0 && before.whole[was] == whole[run.label]) {
-        name = 0;
-      }
-      std::fill(labels.labels.begin() + begin, labels.labels.begin() + end, name);
+  forEachStretch(before, runs, [&](std::int32_t piece, std::int32_t was, int begin, int end) {
+    std::int32_t name = names[piece];
+    if (is_region[was] != 0) {
+      const std::int32_t home = heir[before.names[was]];
+      if (name == 0) name = names[home] != 0 ? names[home] : home;
+    } else if (was != 0 && before.whole[was] == whole[piece]) {
+      name = 0;
     }
-  }
+    std::fill(labels.labels.begin() + begin, labels.labels.begin() + end, name);
+  });
 }
 
 }  // namespace
@@ -144,12 +135,12 @@ std::vector<std::int32_t> settleBorders(const BeamGrid& grid, const PatchGrid& c
   labels = before.labels;
   renameLabels(before.whole, before.runs, labels);
   contestLabels(grid, cells, shares, planes, noise, tolerance, labels, threads);
-  const std::vector<char> is_region = findRegions(before, before.runs, smallest);
-  giveBack(before, before.runs, is_region, planes.size(), labels);
+  const std::vector<char> is_region = findRegions(before, smallest);
+  giveBack(before, is_region, planes.size(), labels);
   std::vector<LabelRun> runs;
   std::vector<std::int32_t> whole = splitComponents(gap_rows, gap_cols, labels, &runs);
   const std::vector<Kept> kept = countKept(before, runs, whole);
-  const std::vector<std::int32_t> heir = heirs(kept, before.names.size());
+  const std::vector<std::int32_t> heir = mostOf(kept, &Kept::before, &Kept::piece, before.names.size());
   const std::vector<std::int32_t> names = nameRegions(before, is_region, kept, heir, whole.size());
   writeNames(before, is_region, heir, whole, names, runs, labels);
   return whole;

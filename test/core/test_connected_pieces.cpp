@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/connected_pieces.h"
 
+#include "run_checks.h"
+
 #include <gtest/gtest.h>
 
 #include <utility>
@@ -49,13 +51,7 @@ TEST(SplitComponents, TellsTheRunsOfThePieces) {
   LabelImage labels{3, 6, {1, 1, 0, 2, 2, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1, 3, 3, 3}};  // pieces go on over the ends of rows
   std::vector<LabelRun> runs{{7, 0, 1}};
   splitComponents(0, 1, labels, &runs);
-  const std::vector<LabelRun> expected = labelRuns(labels);
-  ASSERT_EQ(runs.size(), expected.size());
-  for (std::size_t k = 0; k < runs.size(); ++k) {
-    EXPECT_EQ(runs[k].label, expected[k].label);
-    EXPECT_EQ(runs[k].begin, expected[k].begin);
-    EXPECT_EQ(runs[k].end, expected[k].end);
-  }
+  testing_tools::expectRunsOf(labels, runs);
 }
 
 }  // namespace

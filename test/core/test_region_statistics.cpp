@@ -2,6 +2,7 @@
 #include "patch_plane_clustering/core/region_statistics.h"
 
 #include "polygon_test_tools.h"
+#include "run_checks.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
@@ -98,13 +99,7 @@ TEST(RegionStatistics, RenumberingIsBySizeThenByPlace) {
   std::vector<LabelRun> runs;
   EXPECT_EQ(renumberBySize(grid, 2, labels, &runs), 3);
   EXPECT_EQ(labels.labels, (std::vector<std::int32_t>{2, 2, 1, 1, 1, 1, 3, 3, 0, 0, 0, 0}));
-  const std::vector<LabelRun> expected = labelRuns(labels);
-  ASSERT_EQ(runs.size(), expected.size());
-  for (std::size_t k = 0; k < runs.size(); ++k) {
-    EXPECT_EQ(runs[k].label, expected[k].label);
-    EXPECT_EQ(runs[k].begin, expected[k].begin);
-    EXPECT_EQ(runs[k].end, expected[k].end);
-  }
+  testing_tools::expectRunsOf(labels, runs);
 }
 
 }  // namespace

@@ -19,16 +19,17 @@ struct LabelPieces {
   LabelImage labels;                ///< the pieces
   std::vector<LabelRun> runs;       ///< of the pieces
   std::vector<std::int32_t> whole;  ///< for every piece the label that it is part of; index = piece, 0 for 0
-  std::vector<std::int32_t>
-      names;  ///< for every piece itself, 0 if it is no planar region, or another piece that it is given to
+  /// For every piece itself, 0 if it is no planar region, or another piece that it is given to (see planarNames()).
+  std::vector<std::int32_t> names;
 };
 
 /// @brief Settles the borders between regions by their planes as they are after the last merge.
 ///
 /// Borders were drawn with the planes of parts. Here all labels that meet compete once more (contestLabels()); those that
-/// are no regions too, but only to defend their own points. What the result means is decided by what was known before: a
-/// piece of the new labels is a region if most of the points that kept their label are of one. So strips of a curved
-/// surface, which no longer bend once they end where their planes meet, do not come back, and no scrap grows into a region.
+/// are no regions too, but only to defend their own points. What the result means is decided by what was known before:
+/// points that keep their label stay of a region or of none, and those that change it are of a region if most of the points
+/// that their new piece has kept are. So strips of a curved surface, which no longer bend once they end where their planes
+/// meet, do not come back, and no scrap grows into a region.
 /// @param before the pieces, their names and labels. @param planes of the labels, see labelPlanes().
 /// @param smallest points of a region, at least. @param labels set to the new pieces; 0 where there is no region.
 /// @return for every new piece the label that it is part of; index = piece.
