@@ -99,9 +99,9 @@ void measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const C
                          GrowthMemory& memory, int threads) {
   const int parts = std::max(1, threads), count = static_cast<int>(grid.patches.size());
   std::vector<FoundSurroundings> found(static_cast<std::size_t>(parts));
-  const auto partBegin = [&](int part) { return static_cast<int>(static_cast<long long>(count) * part / parts); };
   forEachPart(threads, parts, [&](int part) {
-    found[part] = measureSurroundings(grid, noise, tolerance, partBegin(part), partBegin(part + 1));
+    found[part] =
+        measureSurroundings(grid, noise, tolerance, partBegin(count, parts, part), partBegin(count, parts, part + 1));
   });
   for (const FoundSurroundings& part : found) {
     for (std::size_t k = 0; k < part.of.size(); ++k) {

@@ -377,15 +377,14 @@ void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel
   const CellShares& before = memory;
   const int count = static_cast<int>(cells.patches.size());
   const int parts = std::max(1, threads);
-  const auto partBegin = [&](int part) { return static_cast<int>(static_cast<long long>(count) * part / parts); };
   std::vector<CellShares> rest(static_cast<std::size_t>(parts - 1));  // the first part's go where all will be
   forEachPart(threads, parts, [&](int part) {
     CellShares& mine = part == 0 ? shares : rest[part - 1];
     mine.begin.clear();
     mine.shares.clear();
     std::vector<std::int32_t> scratch;
-    const int part_end = partBegin(part + 1);
-    for (int k = partBegin(part); k < part_end; ++k) {
+    const int part_end = partBegin(count, parts, part + 1);
+    for (int k = partBegin(count, parts, part); k < part_end; ++k) {
       mine.begin.push_back(static_cast<int>(mine.shares.size()));
       if (changed[k] != 0) {
         shareCell(grid, cells.patches[k], cells.center, noise, labels, scratch, mine);

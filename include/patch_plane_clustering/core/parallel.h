@@ -23,16 +23,18 @@ void forEachPart(int threads, int parts, F&& f) {
   for (std::future<void>& other : others) other.get();
 }
 
+/// First index of a part, if [0, count) is cut into `parts` of about equal size; `part` = parts gives count.
+inline int partBegin(int count, int parts, int part) {
+  return static_cast<int>(static_cast<long long>(count) * part / parts);
+}
+
 /// @brief Calls f(begin, end) for ranges that cover [0, count), as forEachPart(). The ranges depend on the number of
 /// threads: what f writes for an index must depend on the index alone.
 template <typename F>
 void forEachRange(int threads, int count, F&& f) {
   constexpr int kRangesPerThread = 4;  // the ranges are not equally hard
   const int parts = threads > 1 ? std::max(1, std::min(threads * kRangesPerThread, count)) : 1;
-  forEachPart(threads, parts, [&](int part) {
-    const auto at = [&](int p) { return static_cast<int>(static_cast<long long>(count) * p / parts); };
-    f(at(part), at(part + 1));
-  });
+  forEachPart(threads, parts, [&](int part) { f(partBegin(count, parts, part), partBegin(count, parts, part + 1)); });
 }
 
 }  // namespace ppc
