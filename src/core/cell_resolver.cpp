@@ -72,133 +72,212 @@ bool CellResolver::clearOutliers(const Patch& cell, std::int32_t label, LabelIma
   return any;
 }
 
-void CellResolver::resolve(const Patch& cell, const std::vector<std::int32_t>& candidates, std::int32_t first_open,
+bool CellResolver::resolve(const Patch& cell, const std::vector<std::int32_t>& candidates, std::int32_t first_open,
                            bool keep, LabelImage& out) {
   const int pixel = middlePixel(grid_, cell);
-  if (pixel < 0) return;
+  if (pixel < 0) return false;
   const CellNoise noise = noiseOf(pixel);
-  const int reach = std::max(1, cells_.strip_rows[cell.col_begin / cells_.strip_cols] / cells_.strip_cols);
+  candidates_.clear();
+  for (const std::int32_t label : candidates) candidates_.push_back({label, residuals(noise, label), false});
+  layOut(cell);
+  bool any = false;
   for (int col = cell.col_begin; col < cell.col_end; col += kLanes) {
-    readWindow(cell, col, reach);
+    // A cell that ends amid the lanes has the column right of it in the next of them.
+    const int lanes = std::min(cell.col_end - col + 1, grid_.cols - col);
+    readRows(col, lanes, reach_, last_);
     openPlaces(cell, col, first_open, keep, out);
-    for (const std::int32_t candidate : candidates) compete(noise, reach, candidate);
+    if (keep && !findUndecided(out.labels[pixel])) continue;  // as most are amid their own plane
+    any = true;
+    readWindow(cell, col, lanes);
+    for (std::size_t k = 0; k < candidates_.size(); ++k) compete(k);
     paint(cell, col, out);
   }
+  return any;
+}
+
+void CellResolver::layOut(const Patch& cell) {
+  reach_ = std::max(1, cells_.strip_rows[cell.col_begin / cells_.strip_cols] / cells_.strip_cols);
+  top_ = cell.row_begin - reach_;
+  last_ = cell.row_end - top_;
+  const auto rows = static_cast<std::size_t>(last_ + reach_), all = candidates_.size() * rows;
+  if (middle_.size() < rows) {
+    middle_.resize(rows);
+    across_.resize(rows);
+    places_.resize(rows);
+    side_costs_.resize(2 * rows + 2);  // an odd number of rows is read as if there were one more
+  }
+  if (own_.size() < all) own_.resize(all);
+  stride_ = rows;
+}
+
+void CellResolver::readRows(int col, int lanes, int begin, int end) {
+  int i = grid_.index(top_ + begin, col);
+  BeamLanes* middle = middle_.data() + begin;
+  for (int row = begin; row < end; ++row, i += grid_.cols) {
+    *middle++ = lanes >= kLanes ? BeamLanes(grid_, i) : BeamLanes(grid_, i, lanes);
+  }
+}
+
+void CellResolver::openPlaces(const Patch& cell, int col, std::int32_t first_open, bool keep, const LabelImage& labels) {
+  const int count = std::min(kLanes, cell.col_end - col), stride = grid_.cols;
+  const LaneMask inside = firstLanes(count), open = fillMask(first_open), kept = keep ? fillMask(-1) : LaneMask{};
+  const std::int32_t* now_at = labels.labels.data() + grid_.index(cell.row_begin, col);
+  Place* place = places_.data() + reach_;
+  Place* const end = places_.data() + last_;
+  for (; place != end; ++place, now_at += stride) {
+    const LaneMask now = count == kLanes ? loadLanes<LaneMask>(now_at) : loadLanes<LaneMask>(now_at, count);
+    place->open = ((now <= LaneMask{}) | (now >= open)) & inside;
+    place->winner = now & kept;
+    place->undecided = place->open;
+    place->best = fill(std::numeric_limits<float>::infinity());
+  }
+  first_undecided_ = reach_;
+  last_undecided_ = last_;
+}
+
+// Whether all open pixels with a measurement have a label.
+bool CellResolver::isHeldBy(std::int32_t label) const {
+  const Place* const places = places_.data();
+  const BeamLanes* const middle = middle_.data();
+  const LaneMask all = fillMask(label);
+  LaneMask others = {};
+  for (int row = reach_, end = last_; row < end; ++row) {
+    others |= places[row].open & middle[row].valid & (places[row].winner ^ all);
+  }
+  return !anyLane(others);
+}
+
+// Looks for candidates near pixels that have another label: nothing else can change. The residuals of a label that all
+// pixels have are not needed for that. @param likely a label that they may have. @return whether there are any.
+bool CellResolver::findUndecided(std::int32_t likely) {
+  const std::int32_t held = isHeldBy(likely) ? likely : 0;
+  Place* const places = places_.data();
+  const BeamLanes* const middle = middle_.data();
+  const int first = reach_, last = last_;
+  for (int row = first; row < last; ++row) places[row].undecided = LaneMask{};
+  LaneMask any = {};
+  Lanes* own = own_.data();
+  for (Candidate& candidate : candidates_) {
+    candidate.known = candidate.label != held;
+    if (candidate.known) {
+      const CellResiduals squared = candidate.squared;
+      const LaneMask label = fillMask(candidate.label);
+      for (int row = first; row < last; ++row) {
+        own[row] = squared(middle[row]);
+        const LaneMask rival = places[row].open & (own[row] <= fill(kMaxOwnResidual)) & (places[row].winner != label);
+        places[row].undecided |= rival;
+        any |= rival;
+      }
+    }
+    own += stride_;
+  }
+  if (!anyLane(any)) return false;
+  while (!anyLane(places[first_undecided_].undecided)) ++first_undecided_;
+  while (!anyLane(places[last_undecided_ - 1].undecided)) --last_undecided_;
+  return true;
+}
+
+// Reads what undecided pixels need beside the cell's own beams, and counts the beams in each pixel's window.
+void CellResolver::readWindow(const Patch& cell, int col, int lanes) {
+  window_begin_ = std::max(first_undecided_ - reach_, -top_);
+  window_end_ = std::min(last_undecided_ + reach_, grid_.rows - top_);
+  readRows(col, lanes, window_begin_, std::min(window_end_, reach_));
+  readRows(col, lanes, std::max(window_begin_, last_), window_end_);
+  // Windows may look beyond the image: nothing is there.
+  for (int row = first_undecided_ - reach_; row < window_begin_; ++row) across_[row] = Lanes{};
+  for (int row = window_end_; row < last_undecided_ + reach_; ++row) across_[row] = Lanes{};
+  const bool left = col > 0, right = cell.col_end - col >= kLanes && col + kLanes < grid_.cols;
+  const LaneMask inside = {left ? -1 : 0, right ? -1 : 0, left ? -1 : 0, right ? -1 : 0};
+  sides_.clear();
+  int i = grid_.index(top_ + window_begin_, col);
+  for (int row = window_begin_; row < window_end_; row += 2, i += 2 * grid_.cols) {
+    const int below = row + 1 < window_end_ ? i + grid_.cols : i;
+    const int pixels[kLanes] = {left ? i - 1 : i, right ? i + kLanes : i, left ? below - 1 : below,
+                                right ? below + kLanes : below};
+    sides_.emplace_back(grid_, pixels, inside);
+  }
+  const auto one = [](LaneMask valid) { return valid ? fill(1.0F) : Lanes{}; };
+  for (std::size_t k = 0; k < sides_.size(); ++k) storeLanes(one(sides_[k].valid), &side_costs_[k * kLanes]);
+  const BeamLanes* const middle = middle_.data();
+  sumAcross([=](int row) { return one(middle[row].valid); });
+  forEachSum([](Place& place, int, Lanes count) { place.inverse_count = 1.0F / (count > fill(1.0F) ? count : fill(1.0F)); });
 }
 
 // Sums costs of the middle, cost(row), and of the sides over three columns.
 template <typename Cost>
 void CellResolver::sumAcross(const Cost& cost) {
   const float* side = side_costs_.data();
-  for (int row = 0; row < rows_; ++row, side += 2) {
+  Lanes* const across = across_.data();
+  for (int row = window_begin_, end = window_end_; row < end; ++row, side += 2) {
     const Lanes middle = cost(row);
     const Lanes before = __builtin_shufflevector(middle, Lanes{side[0]}, 4, 0, 1, 2);
     const Lanes after = __builtin_shufflevector(middle, Lanes{side[1]}, 1, 2, 3, 4);
-    across_[row] = before + middle + after;
+    across[row] = before + middle + after;
   }
 }
 
-// Calls f(row of the cell, sums over each pixel's own window).
+// Calls f(place, its row, sums over each pixel's own window) where there are undecided pixels.
 template <typename F>
-void CellResolver::forEachSum(int reach, const F& f) const {
+void CellResolver::forEachSum(const F& f) {
+  Place* const places = places_.data();
+  const int first = first_undecided_, last = last_undecided_;
+  const Lanes* out = across_.data() + first - reach_;
+  const Lanes* in = out;
   Lanes sum = {};
-  for (int row = std::max(0, first_ - reach); row < std::min(rows_, first_ + reach); ++row) sum += across_[row];
-  for (int row = first_; row < last_; ++row) {
-    if (row + reach < rows_) sum += across_[row + reach];
-    if (row > first_ && row > reach) sum -= across_[row - reach - 1];
-    f(row - first_, sum);
+  for (const Lanes* const end = out + 2 * reach_ + 1; in != end;) sum += *in++;
+  f(places[first], first, sum);
+  for (int row = first + 1; row < last; ++row) {
+    sum = sum + *in++ - *out++;
+    f(places[row], row, sum);
   }
 }
 
-// Reads the beams of the window, and counts those in each pixel's own.
-void CellResolver::readWindow(const Patch& cell, int col, int reach) {
-  const int top = std::max(0, cell.row_begin - reach), bottom = std::min(grid_.rows, cell.row_end + reach);
-  rows_ = bottom - top;
-  first_ = cell.row_begin - top;
-  last_ = cell.row_end - top;
-  // A cell that ends amid the lanes has the column right of it in the next of them.
-  const int width = cell.col_end - col, lanes = std::min(width + 1, grid_.cols - col);
-  const bool left = col > 0, right = width >= kLanes && col + kLanes < grid_.cols;
-  middle_.clear();
-  for (int r = top; r < bottom; ++r) {
-    const int i = grid_.index(r, col);
-    if (lanes >= kLanes) {
-      middle_.emplace_back(grid_, i);
-    } else {
-      middle_.emplace_back(grid_, i, lanes);
-    }
-  }
-  sides_.clear();
-  for (int r = top; r < bottom; r += 2) {
-    const int i = grid_.index(r, col), below = r + 1 < bottom ? i + grid_.cols : i;
-    const int pixels[kLanes] = {left ? i - 1 : i, right ? i + kLanes : i, left ? below - 1 : below,
-                                right ? below + kLanes : below};
-    sides_.emplace_back(grid_, pixels, LaneMask{left ? -1 : 0, right ? -1 : 0, left ? -1 : 0, right ? -1 : 0});
-  }
-  const auto rows = static_cast<std::size_t>(rows_);
-  own_.resize(rows);
-  across_.resize(rows);
-  side_costs_.resize(sides_.size() * kLanes);
-  places_.resize(static_cast<std::size_t>(last_ - first_));
-  const auto one = [](LaneMask valid) { return valid ? fill(1.0F) : Lanes{}; };
-  for (std::size_t k = 0; k < sides_.size(); ++k) storeLanes(one(sides_[k].valid), &side_costs_[k * kLanes]);
-  sumAcross([&](int row) { return one(middle_[row].valid); });
-  forEachSum(reach,
-             [&](int row, Lanes count) { places_[row].inverse_count = 1.0F / (count > fill(1.0F) ? count : fill(1.0F)); });
-}
-
-void CellResolver::openPlaces(const Patch& cell, int col, std::int32_t first_open, bool keep, const LabelImage& labels) {
-  const int count = std::min(kLanes, cell.col_end - col);
-  int i = grid_.index(cell.row_begin, col);
-  for (Place& place : places_) {
-    const LaneMask now =
-        count == kLanes ? loadLanes<LaneMask>(&labels.labels[i]) : loadLanes<LaneMask>(&labels.labels[i], count);
-    place.open = ((now <= LaneMask{}) | (now >= fillMask(first_open))) & firstLanes(count);
-    place.winner = keep ? now : LaneMask{};
-    place.best = fill(std::numeric_limits<float>::infinity());
-    i += grid_.cols;
-  }
-}
-
-void CellResolver::compete(const CellNoise& noise, int reach, std::int32_t candidate) {
-  const CellResiduals squared = residuals(noise, candidate);
+// Gives undecided pixels to the k-th candidate where it is likelier than those before.
+void CellResolver::compete(std::size_t k) {
+  const Candidate& candidate = candidates_[k];
+  const CellResiduals squared = candidate.squared;
+  const BeamLanes* const middle = middle_.data();
+  const Place* const places = places_.data();
+  Lanes* const own = &own_[k * stride_];
+  const bool known = candidate.known;
+  const int first = first_undecided_, last = last_undecided_;
   LaneMask near = {};
-  for (int row = first_; row < last_; ++row) {
-    const Lanes own = squared(middle_[row]);
-    own_[row] = own;
-    near |= places_[row - first_].open & (own <= fill(kMaxOwnResidual));
+  for (int row = first; row < last; ++row) {
+    if (!known) own[row] = squared(middle[row]);
+    near |= places[row].undecided & (own[row] <= fill(kMaxOwnResidual));
   }
-  if (!anyLane(near)) return;  // it can win no pixel whose label may change
-  for (int row = 0; row < first_; ++row) own_[row] = squared(middle_[row]);
-  for (int row = last_; row < rows_; ++row) own_[row] = squared(middle_[row]);
-  for (std::size_t k = 0; k < sides_.size(); ++k) {
-    storeLanes(capped(squared(sides_[k]), sides_[k].valid), &side_costs_[k * kLanes]);
+  if (!anyLane(near)) return;
+  for (int row = window_begin_, end = known ? reach_ : first; row < end; ++row) own[row] = squared(middle[row]);
+  for (int row = known ? last_ : last, end = window_end_; row < end; ++row) own[row] = squared(middle[row]);
+  float* side_costs = side_costs_.data();
+  for (const BeamLanes& sides : sides_) {
+    storeLanes(capped(squared(sides), sides.valid), side_costs);
+    side_costs += kLanes;
   }
-  sumAcross([&](int row) { return capped(own_[row], middle_[row].valid); });
+  sumAcross([=](int row) { return capped(own[row], middle[row].valid); });
   const float log_variance = squared.logVariance();
-  forEachSum(reach, [&](int row, Lanes sum) {
-    Place& place = places_[row];
+  const LaneMask label = fillMask(candidate.label);
+  forEachSum([=](Place& place, int row, Lanes sum) {
     const Lanes mean = sum * place.inverse_count;
     const Lanes total = mean + log_variance;
-    const LaneMask better =
-        (own_[first_ + row] <= fill(kMaxOwnResidual)) & (mean < fill(kMaxWindowCost)) & (total < place.best);
+    const LaneMask better = (own[row] <= fill(kMaxOwnResidual)) & (mean < fill(kMaxWindowCost)) & (total < place.best);
     place.best = better ? total : place.best;
-    place.winner = better ? fillMask(candidate) : place.winner;
+    place.winner = better ? label : place.winner;
   });
 }
 
 void CellResolver::paint(const Patch& cell, int col, LabelImage& out) const {
   const int count = std::min(kLanes, cell.col_end - col);
-  int i = grid_.index(cell.row_begin, col);
-  for (const Place& place : places_) {
-    std::int32_t* const labels = &out.labels[i];
+  std::int32_t* labels = out.labels.data() + grid_.index(cell.row_begin, col);
+  const Place* place = places_.data() + reach_;
+  const Place* const end = places_.data() + last_;
+  for (const int stride = grid_.cols; place != end; ++place, labels += stride) {
     if (count == kLanes) {
-      const LaneMask painted = place.open ? place.winner : loadLanes<LaneMask>(labels);
+      const LaneMask painted = place->open ? place->winner : loadLanes<LaneMask>(labels);
       std::memcpy(labels, &painted, sizeof painted);
     } else {
-      for (int lane = 0; lane < count; ++lane) labels[lane] = place.open[lane] != 0 ? place.winner[lane] : labels[lane];
+      for (int lane = 0; lane < count; ++lane) labels[lane] = place->open[lane] != 0 ? place->winner[lane] : labels[lane];
     }
-    i += grid_.cols;
   }
 }
 

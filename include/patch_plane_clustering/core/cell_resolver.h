@@ -23,27 +23,37 @@ class CellResolver {
   bool clearOutliers(const Patch& cell, std::int32_t label, LabelImage& out) const;
 
   /// Gives every pixel of a cell without a label, or with one from `first_open` on, the likeliest of the candidates, or 0.
-  /// @param keep: pixels that no candidate explains keep their label instead.
-  void resolve(const Patch& cell, const std::vector<std::int32_t>& candidates, std::int32_t first_open, bool keep,
+  /// @param candidates in ascending order. @param keep: pixels that no candidate explains keep their label instead.
+  /// @return whether labels may have changed.
+  bool resolve(const Patch& cell, const std::vector<std::int32_t>& candidates, std::int32_t first_open, bool keep,
                LabelImage& out);
 
  private:
   // Four pixels of the cell, side by side.
   struct Place {
-    Lanes inverse_count, best;  // of the pixels in each one's window; least cost so far
-    LaneMask winner, open;      // open: the label may change
+    Lanes inverse_count, best;         // of the pixels in each one's window; least cost so far
+    LaneMask winner, open, undecided;  // open: the label may change; undecided: candidates other than its own are near
+  };
+  struct Candidate {
+    std::int32_t label;
+    CellResiduals squared;
+    bool known;  // its residuals in the cell have been computed
   };
 
   CellNoise noiseOf(int pixel) const { return CellNoise(grid_, noise_, tolerance_, pixel); }
   CellResiduals residuals(const CellNoise& noise, std::int32_t label) const;
-  void readWindow(const Patch& cell, int col, int reach);
+  void layOut(const Patch& cell);
+  void readRows(int col, int lanes, int begin, int end);
   void openPlaces(const Patch& cell, int col, std::int32_t first_open, bool keep, const LabelImage& labels);
-  void compete(const CellNoise& noise, int reach, std::int32_t candidate);
+  bool isHeldBy(std::int32_t label) const;
+  bool findUndecided(std::int32_t likely);
+  void readWindow(const Patch& cell, int col, int lanes);
+  void compete(std::size_t k);
   void paint(const Patch& cell, int col, LabelImage& out) const;
   template <typename Cost>
   void sumAcross(const Cost& cost);
   template <typename F>
-  void forEachSum(int reach, const F& f) const;
+  void forEachSum(const F& f);
 
   const BeamGrid& grid_;
   const PatchGrid& cells_;
@@ -52,12 +62,19 @@ class CellResolver {
   const CoplanarityTolerance& tolerance_;
   Eigen::Vector3f center_;
 
-  // The window of four columns of a cell, row by row, and the columns left and right of it: those of two rows in one.
+  std::vector<Candidate> candidates_;
+
+  // Four columns of a cell with reach_ rows above and below, row by row, and the columns left and right of it: those of two
+  // rows in one. Rows are counted from the uppermost of these, which may lie above the image; those of the cell are
+  // [reach_, last_).
+  int reach_ = 0, top_ = 0, last_ = 0;
+  int first_undecided_ = 0, last_undecided_ = 0;  // rows of the cell: [first, last)
+  int window_begin_ = 0, window_end_ = 0;         // rows within reach of those, as far as the image goes
   std::vector<BeamLanes> middle_, sides_;
-  int rows_ = 0, first_ = 0, last_ = 0;  // rows of the window; those of the cell are [first, last)
-  std::vector<Lanes> own_;               // squared residuals of the middle
-  std::vector<float> side_costs_;        // left and right, row by row
-  std::vector<Lanes> across_;            // sums over three columns
+  std::vector<Lanes> own_;         // squared residuals of the middle, candidate by candidate
+  std::size_t stride_ = 0;         // from one candidate's to the next one's
+  std::vector<float> side_costs_;  // left and right, row by row
+  std::vector<Lanes> across_;      // sums over three columns
   std::vector<Place> places_;
 };
 

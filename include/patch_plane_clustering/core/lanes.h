@@ -68,6 +68,8 @@ struct BeamLanes {
   Lanes origin_x = {}, origin_y = {}, origin_z = {};
   LaneMask valid;  ///< has a measurement, and lies within `count`
 
+  BeamLanes() = default;  ///< to be assigned
+
   /// The four from pixel i on, all of which lie in the grid.
   BeamLanes(const BeamGrid& grid, int i) {
     read(grid, i, [](const float* from) { return loadLanes<Lanes>(from); });
