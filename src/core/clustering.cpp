@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 namespace ppc {
@@ -50,19 +49,12 @@ bool isFlat(const Moments& m, const PlaneFit& fit, double range, const NoiseMode
   return fit.chi2 < dof * (1.0 + slack) + 3.3 * std::sqrt(2.0 * dof * tolerance.inflationOf(m.n));
 }
 
-// Surroundings of those patches in [begin, end) that are to be asked together with them, and to which patches they belong.
-struct FoundSurroundings {
-  std::vector<int> of;
-  std::vector<Surroundings> around;
-};
-
-FoundSurroundings measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                                      int begin, int end) {
-  FoundSurroundings result;
-  struct Wave {
-    std::vector<int> reached;  // the last patch from which each was
-    std::vector<int> found;
-  } wave;
+// Finds the surroundings of those patches in [begin, end) that are to be asked together with them.
+void measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, int begin,
+                         int end, FoundSurroundings& result) {
+  result.of.clear();
+  result.around.clear();
+  bool any = false;
   for (int i = begin; i < end; ++i) {
     const Patch& patch = grid.patches[i];
     if (!patch.planar) continue;
@@ -72,36 +64,37 @@ FoundSurroundings measureSurroundings(const PatchGrid& grid, const NoiseModel& n
     const double distance = tolerance.forNoise(sigma).sigma_distance;
     const int rings = uncertainty > kTwoRings * distance ? 2 : uncertainty > kOneRing * distance ? 1 : 0;
     if (rings == 0) continue;
-    if (wave.reached.empty()) wave.reached.assign(grid.patches.size(), -1);
+    if (!std::exchange(any, true)) result.reached.assign(grid.patches.size(), -1);
+    std::vector<int>& wave = result.wave;
     const auto take = [&](int j) {
-      if (wave.reached[j] == i || !grid.patches[j].planar) return;
-      wave.reached[j] = i;
-      wave.found.push_back(j);
+      if (result.reached[j] == i || !grid.patches[j].planar) return;
+      result.reached[j] = i;
+      wave.push_back(j);
     };
-    wave.found.clear();
+    wave.clear();
     take(i);
     std::size_t next = 0;
     for (int ring = 0; ring < rings; ++ring) {
-      const std::size_t last = wave.found.size();
-      for (; next < last; ++next) grid.forEachNeighbour(wave.found[next], take);
+      const std::size_t last = wave.size();
+      for (; next < last; ++next) grid.forEachNeighbour(wave[next], take);
     }
     Moments sum;
-    for (const int j : wave.found) sum += grid.patches[j].moments;
+    for (const int j : wave) sum += grid.patches[j].moments;
     const PlaneFit fit = fitPlane(sum);
     if (!isFlat(sum, fit, patch.range, noise, tolerance)) continue;
     result.of.push_back(i);
     result.around.push_back({sum, fit, sum.radius(), tolerance.inflationOf(sum.n)});
   }
-  return result;
 }
 
 void measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
                          GrowthMemory& memory, int threads) {
   const int parts = std::max(1, threads), count = static_cast<int>(grid.patches.size());
-  std::vector<FoundSurroundings> found(static_cast<std::size_t>(parts));
+  std::vector<FoundSurroundings>& found = memory.found;
+  found.resize(static_cast<std::size_t>(parts));
   forEachPart(threads, parts, [&](int part) {
-    found[part] =
-        measureSurroundings(grid, noise, tolerance, partBegin(count, parts, part), partBegin(count, parts, part + 1));
+    measureSurroundings(grid, noise, tolerance, partBegin(count, parts, part), partBegin(count, parts, part + 1),
+                        found[part]);
   });
   for (const FoundSurroundings& part : found) {
     for (std::size_t k = 0; k < part.of.size(); ++k) {
@@ -155,7 +148,12 @@ void gatePatches(const NoiseModel& noise, const CoplanarityTolerance& tolerance,
 }
 
 double estimateInflation(const PatchGrid& grid) {
-  std::vector<double> excesses;
+  std::vector<double> scratch;
+  return estimateInflation(grid, scratch);
+}
+
+double estimateInflation(const PatchGrid& grid, std::vector<double>& excesses) {
+  excesses.clear();
   const int count = static_cast<int>(grid.patches.size());
   const int stride = std::max(1, count / kInflationPatches);  // a sample tells as much as all
   for (int i = 0; i < count; i += stride) {

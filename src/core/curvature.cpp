@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <set>
 #include <utility>
 
 namespace ppc {
@@ -37,27 +36,14 @@ constexpr double kFanMisfit = 0.1;      // the same misfit per point, in units o
 constexpr double kEdgeTolerance = 3.0;  // of a bent edge of a plane, in tolerances of distance
 constexpr double kUniformWidth = 3.46;  // width of a uniform distribution over its standard deviation
 
-// A sampled region: its plane by total least squares, and samples near that plane.
-struct SampledRegion {
-  int points = 0;
-  int stride = 1;  // pixels a sample stands for
-  Plane plane;
-  Bend bend;
-  SurfaceSamples samples;
-};
-
-// What is needed of pixels until their plane is known, beside their points.
-struct SampledBeams {
-  std::vector<float> ux, uy, uz;  // directions
-  std::vector<float> sigma;       // of the range [m]
-};
-
-// Reads pixels into samples about the first of them; those that fill up the last lanes are the first again.
+// Reads pixels into samples about the first of them; those that fill up the last lanes are that again.
 void readSamples(const BeamGrid& grid, const int* pixels, std::size_t n, const NoiseModel& noise, SurfaceSamples& samples,
                  SampledBeams& beams) {
-  const std::size_t size = (n + kLanes - 1) / kLanes * kLanes;
-  for (auto* numbers : {&samples.x, &samples.y, &samples.z, &samples.height, &samples.weight}) numbers->assign(size, 0.0F);
-  for (auto* numbers : {&beams.ux, &beams.uy, &beams.uz, &beams.sigma}) numbers->assign(size, 0.0F);
+  for (float* numbers : {samples.x, samples.y, samples.z}) std::fill(numbers + n, numbers + samples.size, 0.0F);
+  for (auto* numbers : {&beams.ux, &beams.uy, &beams.uz, &beams.sigma}) {
+    if (numbers->size() < samples.size) numbers->resize(samples.size);
+    std::fill(numbers->data() + n, numbers->data() + samples.size, 0.0F);
+  }
   const Eigen::Vector3f first = grid.point(pixels[0]);
   samples.center = first.cast<double>();
   for (std::size_t k = 0; k < n; ++k) {
@@ -78,12 +64,12 @@ void sumSamples(const SurfaceSamples& samples, const SampledBeams& beams, double
   mean.setZero();
   scatter.setZero();
   beam.setZero();
-  for (std::size_t begin = 0; begin < samples.size(); begin += kBlock) {
+  for (std::size_t begin = 0; begin < samples.size; begin += kBlock) {
     PointLanes sums;
     Lanes ux = {}, uy = {}, uz = {};
-    for (std::size_t i = begin; i < std::min(begin + kBlock, samples.size()); i += kLanes) {
-      const auto px = loadLanes<Lanes>(&samples.x[i]), py = loadLanes<Lanes>(&samples.y[i]);
-      const auto pz = loadLanes<Lanes>(&samples.z[i]);
+    for (std::size_t i = begin; i < std::min(begin + kBlock, samples.size); i += kLanes) {
+      const auto px = loadLanes<Lanes>(samples.x + i), py = loadLanes<Lanes>(samples.y + i);
+      const auto pz = loadLanes<Lanes>(samples.z + i);
       sums.add(px, py, pz);
       ux += loadLanes<Lanes>(&beams.ux[i]);
       uy += loadLanes<Lanes>(&beams.uy[i]);
@@ -107,8 +93,8 @@ void weighSamples(const Eigen::Vector3f& move, const Eigen::Vector3f& normal, fl
                   const SampledBeams& beams, SurfaceSamples& samples) {
   LaneMask used = {};
   for (int i = 0; i < n; i += kLanes) {
-    const Lanes x = loadLanes<Lanes>(&samples.x[i]) - move.x(), y = loadLanes<Lanes>(&samples.y[i]) - move.y();
-    const Lanes z = loadLanes<Lanes>(&samples.z[i]) - move.z();
+    const Lanes x = loadLanes<Lanes>(samples.x + i) - move.x(), y = loadLanes<Lanes>(samples.y + i) - move.y();
+    const Lanes z = loadLanes<Lanes>(samples.z + i) - move.z();
     const Lanes height = normal.x() * x + normal.y() * y + normal.z() * z;
     const Lanes cosine = -(normal.x() * loadLanes<Lanes>(&beams.ux[i]) + normal.y() * loadLanes<Lanes>(&beams.uy[i]) +
                            normal.z() * loadLanes<Lanes>(&beams.uz[i]));
@@ -116,20 +102,18 @@ void weighSamples(const Eigen::Vector3f& move, const Eigen::Vector3f& normal, fl
     const Lanes limit = kFarFromPlane * (sigma > fill(rms) ? sigma : fill(rms));
     const LaneMask near = (height <= limit) & (height >= -limit) & firstLanes(n - i);
     used += near;
-    storeLanes(x, &samples.x[i]);
-    storeLanes(y, &samples.y[i]);
-    storeLanes(z, &samples.z[i]);
-    storeLanes(height, &samples.height[i]);
-    storeLanes(near ? stride / (sigma * sigma) : Lanes{}, &samples.weight[i]);
+    storeLanes(x, samples.x + i);
+    storeLanes(y, samples.y + i);
+    storeLanes(z, samples.z + i);
+    storeLanes(height, samples.height + i);
+    storeLanes(near ? stride / (sigma * sigma) : Lanes{}, samples.weight + i);
   }
   samples.used = countLanes(used);
 }
 
-SampledRegion sampleRegion(const BeamGrid& grid, int points, int stride, const int* pixels, int n, const NoiseModel& noise,
-                           SampledBeams& beams) {
-  SampledRegion region;
-  region.points = points;
-  region.stride = stride;
+// Reads `n` pixels into the region's samples, and fits its plane.
+void sampleRegion(const BeamGrid& grid, const int* pixels, int n, const NoiseModel& noise, SampledBeams& beams,
+                  SampledRegion& region) {
   SurfaceSamples& samples = region.samples;
   readSamples(grid, pixels, static_cast<std::size_t>(n), noise, samples, beams);
   Eigen::Vector3d mean, beam;
@@ -141,9 +125,8 @@ SampledRegion sampleRegion(const BeamGrid& grid, int points, int stride, const i
   samples.center += mean;
   region.plane = {samples.normal, samples.normal.dot(samples.center)};
   const double rms = std::sqrt(std::max(0.0, eigen.eigenvalues()[0]) / n);
-  weighSamples(mean.cast<float>(), samples.normal.cast<float>(), static_cast<float>(rms), n, static_cast<float>(stride),
-               beams, samples);
-  return region;
+  weighSamples(mean.cast<float>(), samples.normal.cast<float>(), static_cast<float>(rms), n,
+               static_cast<float>(region.stride), beams, samples);
 }
 
 Bend bendOf(const QuadraticFit& fit) {
@@ -164,15 +147,18 @@ Bend bendOf(const QuadraticFit& fit) {
 // the root mean square 2 h / (3 sqrt 5).
 double radiusOf(const Bend& bend) { return 12.0 * std::sqrt(5.0) * bend.amplitude / (bend.turn * bend.turn); }
 
-// Pairs of labels that are 4-neighbours in the image, or parted by up to `gap` pixels.
-std::set<std::pair<std::int32_t, std::int32_t>> touchingLabels(const LabelImage& labels, int gap) {
-  std::set<std::pair<std::int32_t, std::int32_t>> pairs;
+using LabelPairs = std::vector<std::pair<std::int32_t, std::int32_t>>;
+
+// Pairs of labels that are 4-neighbours in the image, or parted by up to `gap` pixels; ascending.
+void findTouching(const LabelImage& labels, int gap, LabelPairs& pairs) {
+  pairs.clear();
   std::pair<std::int32_t, std::int32_t> last;  // borders are long: most meetings repeat the one before
   const auto meet = [&](std::int32_t a, std::int32_t b) {
     const std::pair<std::int32_t, std::int32_t> pair(std::min(a, b), std::max(a, b));
     if (b == 0 || pair == last) return;
     last = pair;
-    pairs.insert(pair);
+    const auto at = std::lower_bound(pairs.begin(), pairs.end(), pair);
+    if (at == pairs.end() || *at != pair) pairs.insert(at, pair);
   };
   for (int r = 0; r < labels.rows; ++r) {
     // Rows of a region are long: eight pixels at a time that differ neither from the next nor from those below.
@@ -203,7 +189,6 @@ std::set<std::pair<std::int32_t, std::int32_t>> touchingLabels(const LabelImage&
       }
     }
   }
-  return pairs;
 }
 
 // One smooth surface serves both as well as two of their own would, one plane does not.
@@ -247,7 +232,7 @@ double misfit(const Plane& plane, const SampledRegion& region) {
   const SurfaceSamples& samples = region.samples;
   const double offset = plane.signedDistance(samples.center);
   double sum = 0.0;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
+  for (std::size_t i = 0; i < samples.size; ++i) {
     if (samples.weight[i] == 0.0F) continue;
     const double distance = offset + plane.normal.dot(Eigen::Vector3d(samples.x[i], samples.y[i], samples.z[i]));
     sum += distance * distance - region.stride / double{samples.weight[i]};
@@ -255,92 +240,134 @@ double misfit(const Plane& plane, const SampledRegion& region) {
   return std::sqrt(std::max(0.0, sum / std::max(1, samples.used)));
 }
 
-// Samples of every label of at least three points; index = label.
-std::vector<SampledRegion> sampleRegions(const BeamGrid& grid, const std::vector<LabelRun>& runs, const NoiseModel& noise,
-                                         int threads) {
-  std::vector<int> count(static_cast<std::size_t>(highestLabel(runs)) + 1, 0);
+// Chooses pixels of every label, and makes room for the samples of those that have at least three of them.
+void chooseSamples(const BeamGrid& grid, const std::vector<LabelRun>& runs, CurvatureMemory& memory) {
+  std::vector<int>&count = memory.count, &begin = memory.begin, &end = memory.end, &next = memory.next;
+  count.assign(static_cast<std::size_t>(highestLabel(runs)) + 1, 0);
   for (const LabelRun& run : runs) count[run.label] += run.end - run.begin;
-  const auto strideOf = [&](std::size_t label) { return std::max(1, count[label] / kMaxSamples); };
-  std::vector<int> begin(count.size() + 1, 0);  // of each label's samples
+  std::vector<SampledRegion>& regions = memory.regions;
+  regions.assign(count.size(), SampledRegion());
+  begin.assign(count.size() + 1, 0);
   for (std::size_t label = 0; label < count.size(); ++label) {
-    begin[label + 1] = begin[label] + (count[label] + strideOf(label) - 1) / strideOf(label);
+    regions[label].stride = std::max(1, count[label] / kMaxSamples);
+    begin[label + 1] = begin[label] + (count[label] + regions[label].stride - 1) / regions[label].stride;
   }
-  std::vector<int> pixels(static_cast<std::size_t>(begin.back()));
-  std::vector<int> end = begin;
-  std::vector<int> next(count.size(), 0);  // pixels of the label until the next sample
+  if (memory.pixels.size() < static_cast<std::size_t>(begin.back())) memory.pixels.resize(begin.back());
+  end = begin;
+  next.assign(count.size(), 0);
   for (const LabelRun& run : runs) {
-    const int stride = strideOf(run.label);
+    const int stride = regions[run.label].stride;
     int i = run.begin + next[run.label];
     for (; i < run.end; i += stride) {
-      if (grid.valid(i)) pixels[end[run.label]++] = i;
+      if (grid.valid(i)) memory.pixels[end[run.label]++] = i;
     }
     next[run.label] = i - run.end;
   }
-  std::vector<SampledRegion> regions(count.size());
-  forEachRange(threads, static_cast<int>(count.size()), [&](int first, int last) {
-    SampledBeams beams;
-    for (int label = first; label < last; ++label) {
-      const int n = end[label] - begin[label];
-      if (n < 3) continue;
-      SampledRegion& region = regions[label];
-      region = sampleRegion(grid, count[label], strideOf(label), pixels.data() + begin[label], n, noise, beams);
-      const Eigen::Vector3d s = region.plane.normal.unitOrthogonal();
-      region.bend = bendOf(fitQuadratic(sumQuadratic(region.samples, s, region.plane.normal.cross(s))));
-    }
-  });
-  return regions;
+  std::size_t room = 0;
+  const auto lengthOf = [&](std::size_t label) {
+    const auto n = static_cast<std::size_t>(end[label] - begin[label]);
+    return n < 3 ? 0 : (n + kLanes - 1) / kLanes * kLanes;
+  };
+  for (std::size_t label = 0; label < count.size(); ++label) room += SurfaceSamples::kColumns * lengthOf(label);
+  if (memory.columns.size() < room) memory.columns.resize(room);
+  float* columns = memory.columns.data();
+  for (std::size_t label = 0; label < count.size(); ++label) {
+    const std::size_t length = lengthOf(label);
+    if (length == 0) continue;
+    regions[label].points = count[label];
+    regions[label].samples.place(columns, length);
+    columns += SurfaceSamples::kColumns * length;
+  }
+}
+
+// Samples labels [first, last) of at least three points.
+void sampleRegions(const BeamGrid& grid, const NoiseModel& noise, int first, int last, SampledBeams& beams,
+                   CurvatureMemory& memory) {
+  for (int label = first; label < last; ++label) {
+    SampledRegion& region = memory.regions[label];
+    if (region.points == 0) continue;
+    const int begin = memory.begin[label];
+    sampleRegion(grid, memory.pixels.data() + begin, memory.end[label] - begin, noise, beams, region);
+    const Eigen::Vector3d s = region.plane.normal.unitOrthogonal();
+    region.bend = bendOf(fitQuadratic(sumQuadratic(region.samples, s, region.plane.normal.cross(s))));
+  }
 }
 
 }  // namespace
 
 std::vector<Bend> measureBends(const BeamGrid& grid, const LabelImage& labels, const NoiseModel& noise) {
+  CurvatureMemory memory;
+  chooseSamples(grid, labelRuns(labels), memory);
+  SampledBeams beams;
+  sampleRegions(grid, noise, 0, static_cast<int>(memory.regions.size()), beams, memory);
   std::vector<Bend> bends;
-  for (const SampledRegion& region : sampleRegions(grid, labelRuns(labels), noise, 1)) bends.push_back(region.bend);
+  for (const SampledRegion& region : memory.regions) bends.push_back(region.bend);
   return bends;
 }
 
 std::vector<std::int32_t> planarNames(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
                                       double max_turn, const LabelImage& labels, const std::vector<LabelRun>& runs,
                                       int threads) {
-  const std::vector<SampledRegion> regions = sampleRegions(grid, runs, noise, threads);
-  std::vector<bool> curved(regions.size(), false), weak(regions.size(), false);
+  CurvatureMemory memory;
+  std::vector<std::int32_t> names;
+  planarNames(grid, noise, tolerance, max_turn, labels, runs, memory, names, threads);
+  return names;
+}
+
+void planarNames(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double max_turn,
+                 const LabelImage& labels, const std::vector<LabelRun>& runs, CurvatureMemory& memory,
+                 std::vector<std::int32_t>& names, int threads) {
+  chooseSamples(grid, runs, memory);
+  const std::vector<SampledRegion>& regions = memory.regions;
+  const int count = static_cast<int>(regions.size()), ranges = rangeCount(threads, count);
+  forEachPart(threads, 1 + ranges, memory.beams, [&](int part, SampledBeams& beams) {
+    if (part == 0) return findTouching(labels, 2, memory.touching);  // needs no samples
+    sampleRegions(grid, noise, partBegin(count, ranges, part - 1), partBegin(count, ranges, part), beams, memory);
+  });
+  const LabelPairs& touching = memory.touching;
+  std::vector<char>&curved = memory.curved, &weak = memory.weak;
+  curved.assign(regions.size(), 0);
+  weak.assign(regions.size(), 0);
   for (std::size_t label = 1; label < regions.size(); ++label) {
     const Bend& bend = regions[label].bend;
-    weak[label] = bend.turn > kWeakTurn * max_turn && bend.amplitude > kWeakAmplitude * tolerance.sigma_distance &&
-                  bend.excess > kSignificance * tolerance.inflation;
-    curved[label] = weak[label] && bend.turn > max_turn && bend.amplitude > kMinAmplitude * tolerance.sigma_distance;
+    const bool bent = bend.turn > kWeakTurn * max_turn && bend.amplitude > kWeakAmplitude * tolerance.sigma_distance &&
+                      bend.excess > kSignificance * tolerance.inflation;
+    weak[label] = bent ? 1 : 0;
+    curved[label] = bent && bend.turn > max_turn && bend.amplitude > kMinAmplitude * tolerance.sigma_distance ? 1 : 0;
   }
-  const std::vector<bool> alone = curved;
-  const auto touching = touchingLabels(labels, 2);
+  std::vector<char>& alone = memory.alone;
+  alone = curved;
   for (const auto& [a, b] : touching) {
-    if (!(alone[a] && alone[b]) && isFan(regions[a], regions[b], tolerance, max_turn)) curved[a] = curved[b] = true;
+    if ((alone[a] & alone[b]) == 0 && isFan(regions[a], regions[b], tolerance, max_turn)) curved[a] = curved[b] = 1;
   }
   // A strip that bends less, but beside a curved one of about its size, is more of the same surface.
-  const std::vector<bool> certain = curved;
+  std::vector<char>& certain = memory.certain;
+  certain = curved;
   for (const auto& [first, second] : touching) {
     if (certain[first] == certain[second]) continue;
-    const std::int32_t strip = certain[first] ? second : first, beside = certain[first] ? first : second;
+    const bool of_first = certain[first] != 0;
+    const std::int32_t strip = of_first ? second : first, beside = of_first ? first : second;
     if (regions[strip].points >= kStripSizes * regions[beside].points) continue;
     const SampledRegion &a = regions[strip], &b = regions[beside];
-    if (weak[strip] || (isTurned(a, b, kNarrowAngle * max_turn) && isSmooth(a, b, tolerance))) curved[strip] = true;
+    if (weak[strip] != 0 || (isTurned(a, b, kNarrowAngle * max_turn) && isSmooth(a, b, tolerance))) curved[strip] = 1;
   }
   // A bent strip along a larger plane that it hardly leaves is the soft edge of that plane.
-  std::vector<std::int32_t> renamed(regions.size());
+  names.resize(regions.size());
   for (std::size_t label = 0; label < regions.size(); ++label) {
-    renamed[label] = curved[label] ? 0 : static_cast<std::int32_t>(label);
+    names[label] = curved[label] != 0 ? 0 : static_cast<std::int32_t>(label);
   }
-  std::vector<int> host_points(regions.size(), 0);
+  std::vector<int>& host_points = memory.host_points;
+  host_points.assign(regions.size(), 0);
   for (const auto& [a, b] : touching) {
     for (const auto& [strip, host] : {std::pair(a, b), std::pair(b, a)}) {
-      if (!alone[strip] || curved[host]) continue;
+      if (alone[strip] == 0 || curved[host] != 0) continue;
       const SampledRegion& plane = regions[host];
       if (plane.points <= std::max(host_points[strip], regions[strip].points)) continue;
       if (misfit(plane.plane, regions[strip]) > kEdgeTolerance * tolerance.sigma_distance) continue;
       host_points[strip] = plane.points;
-      renamed[strip] = host;
+      names[strip] = host;
     }
   }
-  return renamed;
 }
 
 }  // namespace ppc

@@ -16,7 +16,8 @@ constexpr double kMaxScatter = 6.0;  // mean square of its distances, in varianc
 class HoleFiller {
  public:
   HoleFiller(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
-             const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, LabelImage& labels)
+             const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, HoleMemory& memory,
+             LabelImage& labels)
       : grid_(grid),
         planes_(planes),
         center_(center),
@@ -24,9 +25,13 @@ class HoleFiller {
         tolerance_(tolerance),
         smallest_(smallest),
         labels_(labels.labels),
-        loose_(planes.size()),
-        seen_(static_cast<std::size_t>(grid.size()), 0) {
-    std::vector<int> points(planes.size(), 0);
+        loose_(memory.loose),
+        seen_(memory.seen),
+        speck_(memory.speck) {
+    loose_.resize(planes.size());
+    seen_.assign(static_cast<std::size_t>(grid.size()), 0);
+    std::vector<int>& points = memory.points;
+    points.assign(planes.size(), 0);
     forEachRun(labels, [&](std::int32_t label, int begin, int end) { points[label] += end - begin; });
     for (std::size_t label = 0; label < loose_.size(); ++label)
       loose_[label] = label == 0 || points[label] < smallest ? 1 : 0;
@@ -102,16 +107,23 @@ class HoleFiller {
   const CoplanarityTolerance& tolerance_;
   int smallest_;
   std::vector<std::int32_t>& labels_;
-  std::vector<char> loose_;  // labels, and none, that are not those of a region
-  std::vector<char> seen_;
-  std::vector<int> speck_;
+  std::vector<char>& loose_;
+  std::vector<char>& seen_;
+  std::vector<int>& speck_;
 };
 
 }  // namespace
 
 void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
+               const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, HoleMemory& memory,
+               LabelImage& labels) {
+  HoleFiller(grid, planes, center, noise, tolerance, smallest, memory, labels).fillAll();
+}
+
+void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
                const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, LabelImage& labels) {
-  HoleFiller(grid, planes, center, noise, tolerance, smallest, labels).fillAll();
+  HoleMemory memory;
+  fillHoles(grid, planes, center, noise, tolerance, smallest, memory, labels);
 }
 
 }  // namespace ppc

@@ -42,9 +42,11 @@ struct LineNoise {
   bool significant = false;
 };
 
-LineNoise measureNoise(const std::vector<LineMisfit>& misfits, Component component) {
-  std::vector<double> sizes, spreads, deviations, slopes, uneven;
-  for (const LineMisfit& m : misfits) {
+LineNoise measureNoise(Component component, LineErrorMemory& memory) {
+  std::vector<double>&sizes = memory.sizes, &spreads = memory.spreads, &deviations = memory.deviations;
+  std::vector<double>&slopes = memory.slopes, &uneven = memory.uneven;
+  for (std::vector<double>* numbers : {&sizes, &spreads, &deviations, &slopes, &uneven}) numbers->clear();
+  for (const LineMisfit& m : memory.misfits) {
     if ((m.*component).samples < kMinSamples) continue;
     sizes.push_back(std::abs((m.*component).value));
     deviations.push_back((m.*component).deviation);
@@ -64,16 +66,16 @@ LineNoise measureNoise(const std::vector<LineMisfit>& misfits, Component compone
   return noise;
 }
 
-std::vector<LineMisfit> measureMisfits(const GridLines& lines, LineErrorKind kind, int stride, int threads) {
-  std::vector<LineMisfit> misfits(static_cast<std::size_t>(lines.count()));
-  forEachRange(threads, (lines.count() + stride - 1) / stride, [&](int begin, int end) {
-    LineMisfitMemory memory;
+// Of one in `stride` lines, and nothing of the others: memory.misfits.
+void measureMisfits(const GridLines& lines, LineErrorKind kind, int stride, LineErrorMemory& memory, int threads) {
+  memory.misfits.assign(static_cast<std::size_t>(lines.count()), LineMisfit());
+  const auto measure = [&](int begin, int end, LineMisfitMemory& scratch) {
     for (int n = begin; n < end; ++n) {
       const int k = n * stride + 5 * n % stride;  // never in step with the steps of an encoder
-      if (k > 0 && k + 1 < lines.count()) misfits[k] = measureLineMisfit(lines, k, kind, memory);
+      if (k > 0 && k + 1 < lines.count()) memory.misfits[k] = measureLineMisfit(lines, k, kind, scratch);
     }
-  });
-  return misfits;
+  };
+  forEachRange(threads, (lines.count() + stride - 1) / stride, memory.of_thread, measure);
 }
 
 std::vector<double> solveErrors(const std::vector<LineMisfit>& misfits, Component component, const LineNoise& noise) {
@@ -116,63 +118,71 @@ void addBack(const LineErrors& taken, std::vector<LineMisfit>& misfits) {
   }
 }
 
-LineErrors errorsOf(const BeamGrid& grid, bool in_columns, LineErrorKind kind, int threads) {
+LineErrors errorsOf(const BeamGrid& grid, bool in_columns, LineErrorKind kind, LineErrorMemory& memory, int threads) {
   LineErrors errors;
   errors.in_columns = in_columns;
-  BeamGrid corrected;
+  BeamGrid& corrected = memory.corrected;
   for (int round = 0; round < (kind == LineErrorKind::kRange ? 1 : kRounds); ++round) {
     if (round > 0) removeLineErrors(errors, grid, corrected);
-    std::vector<LineMisfit> misfits = measureMisfits(GridLines(round > 0 ? corrected : grid, in_columns), kind, 1, threads);
-    if (round > 0) addBack(errors, misfits);
+    measureMisfits(GridLines(round > 0 ? corrected : grid, in_columns), kind, 1, memory, threads);
+    if (round > 0) addBack(errors, memory.misfits);
     if (kind != LineErrorKind::kTurn) {
-      const LineNoise noise = measureNoise(misfits, kRange);
+      const LineNoise noise = measureNoise(kRange, memory);
       if (!noise.significant) return errors;
-      errors.range = solveErrors(misfits, kRange, noise);
+      errors.range = solveErrors(memory.misfits, kRange, noise);
     }
     if (kind != LineErrorKind::kRange) {
-      const LineNoise noise = measureNoise(misfits, kTurn);
+      const LineNoise noise = measureNoise(kTurn, memory);
       if (!noise.significant) return errors;
-      errors.turn = withoutDrift(solveErrors(misfits, kTurn, noise));
+      errors.turn = withoutDrift(solveErrors(memory.misfits, kTurn, noise));
     }
   }
   return errors;
 }
 
 // What sloped beams are off without these errors, in those lines where they are off most [m].
-double leftOf(const LineErrors& errors, const BeamGrid& grid, int stride, int threads) {
-  BeamGrid corrected;
-  if (!errors.empty()) removeLineErrors(errors, grid, corrected);
-  const GridLines lines(errors.empty() ? grid : corrected, errors.in_columns);
-  std::vector<double> left;
-  for (const LineMisfit& m : measureMisfits(lines, LineErrorKind::kBoth, stride, threads)) {
+double leftOf(const LineErrors& errors, const BeamGrid& grid, int stride, LineErrorMemory& memory, int threads) {
+  if (!errors.empty()) removeLineErrors(errors, grid, memory.corrected);
+  const GridLines lines(errors.empty() ? grid : memory.corrected, errors.in_columns);
+  measureMisfits(lines, LineErrorKind::kBoth, stride, memory, threads);
+  std::vector<double>& left = memory.sizes;
+  left.clear();
+  for (const LineMisfit& m : memory.misfits) {
     if (m.turn.samples >= kMinSamples) left.push_back(m.off);
   }
   return left.empty() ? 0.0 : quantile(left, kStepShare);
 }
 
-LineErrors estimateAlong(const BeamGrid& grid, bool in_columns, int threads) {
+LineErrors estimateAlong(const BeamGrid& grid, bool in_columns, LineErrorMemory& memory, int threads) {
   const GridLines lines(grid, in_columns);
   LineErrors ranges;
   ranges.in_columns = in_columns;
   if (lines.count() < kMinLines) return ranges;
   const int stride = std::max(kGlance, lines.count() / kMaxGlances);
-  if (measureNoise(measureMisfits(lines, LineErrorKind::kRange, stride, threads), kRange).significant) {
-    ranges = errorsOf(grid, in_columns, LineErrorKind::kRange, threads);
+  measureMisfits(lines, LineErrorKind::kRange, stride, memory, threads);
+  if (measureNoise(kRange, memory).significant) {
+    ranges = errorsOf(grid, in_columns, LineErrorKind::kRange, memory, threads);
   }
-  const std::vector<LineMisfit> both = measureMisfits(lines, LineErrorKind::kBoth, stride, threads);
-  if (!measureNoise(both, kTurn).significant) return ranges;
-  const bool in_range_too = measureNoise(both, kRange).significant;
-  const LineErrors turns = errorsOf(grid, in_columns, in_range_too ? LineErrorKind::kBoth : LineErrorKind::kTurn, threads);
+  measureMisfits(lines, LineErrorKind::kBoth, stride, memory, threads);
+  if (!measureNoise(kTurn, memory).significant) return ranges;
+  const LineErrorKind kind = measureNoise(kRange, memory).significant ? LineErrorKind::kBoth : LineErrorKind::kTurn;
+  const LineErrors turns = errorsOf(grid, in_columns, kind, memory, threads);
   if (turns.turn.empty()) return ranges;
-  return leftOf(turns, grid, stride, threads) < kMostLeft * leftOf(ranges, grid, stride, threads) ? turns : ranges;
+  const double left = leftOf(turns, grid, stride, memory, threads);
+  return left < kMostLeft * leftOf(ranges, grid, stride, memory, threads) ? turns : ranges;
 }
 
 }  // namespace
 
 LineErrors estimateLineErrors(const BeamGrid& grid, int threads) {
-  LineErrors errors = estimateAlong(grid, false, threads);
+  LineErrorMemory memory;
+  return estimateLineErrors(grid, memory, threads);
+}
+
+LineErrors estimateLineErrors(const BeamGrid& grid, LineErrorMemory& memory, int threads) {
+  LineErrors errors = estimateAlong(grid, false, memory, threads);
   const bool rows_are_lines = grid.beams_exact;  // so range images are defined
-  return errors.empty() && !rows_are_lines ? estimateAlong(grid, true, threads) : errors;
+  return errors.empty() && !rows_are_lines ? estimateAlong(grid, true, memory, threads) : errors;
 }
 
 void removeLineErrors(const LineErrors& errors, const BeamGrid& grid, BeamGrid& out) {

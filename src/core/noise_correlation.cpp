@@ -40,7 +40,13 @@ bool sumSquare(const PatchGrid& grid, int row, int col, int height, int side, Mo
 }  // namespace
 
 NoiseCorrelation measureCorrelation(const PatchGrid& grid, double inflation) {
-  std::vector<double> excesses, variances, points;
+  CorrelationMemory memory;
+  return measureCorrelation(grid, inflation, memory);
+}
+
+NoiseCorrelation measureCorrelation(const PatchGrid& grid, double inflation, CorrelationMemory& memory) {
+  std::vector<double>&excesses = memory.excesses, &variances = memory.variances, &points = memory.points;
+  for (std::vector<double>* numbers : {&excesses, &variances, &points}) numbers->clear();
   const int count = static_cast<int>(grid.patches.size());
   const int stride = std::max(1, count / kPatches);
   for (int i = 0; i < count; i += stride) {

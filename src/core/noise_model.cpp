@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace ppc {
 namespace {
@@ -48,6 +49,28 @@ double quantileFactor(double dof) {
   return root * root * root;
 }
 
+// Variances of the patches that have points enough, bin by bin.
+void sortVariances(const PatchGrid& patches, NoiseMemory& memory) {
+  std::vector<int>&bin = memory.bin, &begin = memory.bin_begin;
+  bin.resize(patches.patches.size());
+  begin.assign(kBins + 1, 0);
+  for (std::size_t p = 0; p < bin.size(); ++p) {
+    const Patch& patch = patches.patches[p];
+    bin[p] = patch.moments.n < kMinPoints ? -1 : binOf(patch.range);
+    if (bin[p] >= 0) ++begin[bin[p] + 1];
+  }
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  memory.variances.resize(static_cast<std::size_t>(begin.back()));
+  for (std::size_t p = 0; p < bin.size(); ++p) {
+    if (bin[p] < 0) continue;
+    const Patch& patch = patches.patches[p];
+    const double dof = patch.moments.n - 3;
+    memory.variances[begin[bin[p]]++] = patch.fit.chi2 / dof / quantileFactor(dof);
+  }
+  std::rotate(begin.begin(), begin.end() - 1, begin.end());  // each has moved on to the beginning of the next
+  begin.front() = 0;
+}
+
 }  // namespace
 
 NoiseModel::NoiseModel(const std::vector<double>& sigma_of_bin) : table_(kCells) {
@@ -59,24 +82,28 @@ NoiseModel::NoiseModel(const SensorModel& sensor, double scale) : table_(kCells)
 }
 
 NoiseModel NoiseModel::estimate(const PatchGrid& patches, const SensorModel& sensor) {
-  std::vector<double> sigma(kBins);
-  for (int b = 0; b < kBins; ++b) sigma[b] = sensor.sigma(binCenter(b));
-  std::vector<std::vector<double>> variances(kBins);
-  for (const Patch& patch : patches.patches) {
-    if (patch.moments.n < kMinPoints) continue;
-    const double dof = patch.moments.n - 3;
-    variances[binOf(patch.range)].push_back(patch.fit.chi2 / dof / quantileFactor(dof));
-  }
+  NoiseMemory memory;
+  return estimate(patches, sensor, memory);
+}
+
+NoiseModel NoiseModel::estimate(const PatchGrid& patches, const SensorModel& sensor, NoiseMemory& memory) {
+  sortVariances(patches, memory);
+  std::vector<double>&sigma = memory.sigma, &pool = memory.pool;
+  sigma.resize(kBins);
   // Thin bins borrow from their neighbours, nearest first.
   for (int b = 0; b < kBins; ++b) {
-    std::vector<double> pool = variances[b];
+    pool.clear();
+    const auto add = [&](int bin) {
+      const auto begin = memory.variances.begin();
+      pool.insert(pool.end(), begin + memory.bin_begin[bin], begin + memory.bin_begin[bin + 1]);
+    };
+    add(b);
     for (int reach = 1; reach < kBins && static_cast<int>(pool.size()) < kMinPatches; ++reach) {
       for (const int other : {b - reach, b + reach}) {
-        if (other >= 0 && other < kBins) pool.insert(pool.end(), variances[other].begin(), variances[other].end());
+        if (other >= 0 && other < kBins) add(other);
       }
     }
-    if (pool.empty()) continue;
-    sigma[b] = std::max(kMinSigma, std::sqrt(quantile(pool, kQuantile)));
+    sigma[b] = pool.empty() ? sensor.sigma(binCenter(b)) : std::max(kMinSigma, std::sqrt(quantile(pool, kQuantile)));
   }
   boundByOtherRanges(sigma);
   return NoiseModel(sigma);

@@ -88,13 +88,13 @@ QuadraticSums sumQuadratic(const SurfaceSamples& samples, const Eigen::Vector3d&
   QuadraticSums out;
   const Eigen::Vector3f s = s_axis.cast<float>(), t = t_axis.cast<float>();
   const auto per_height = static_cast<float>(1.0 / s_axis.cross(t_axis).dot(samples.normal));
-  for (std::size_t begin = 0; begin < samples.size(); begin += kBlock) {
+  for (std::size_t begin = 0; begin < samples.size; begin += kBlock) {
     Sums sums;
-    for (std::size_t i = begin; i < std::min(begin + kBlock, samples.size()); i += kLanes) {
-      const auto x = loadLanes<Lanes>(&samples.x[i]), y = loadLanes<Lanes>(&samples.y[i]);
-      const auto z = loadLanes<Lanes>(&samples.z[i]);
-      sums.add(loadLanes<Lanes>(&samples.weight[i]), s.x() * x + s.y() * y + s.z() * z, t.x() * x + t.y() * y + t.z() * z,
-               per_height * loadLanes<Lanes>(&samples.height[i]));
+    for (std::size_t i = begin; i < std::min(begin + kBlock, samples.size); i += kLanes) {
+      const auto x = loadLanes<Lanes>(samples.x + i), y = loadLanes<Lanes>(samples.y + i);
+      const auto z = loadLanes<Lanes>(samples.z + i);
+      sums.add(loadLanes<Lanes>(samples.weight + i), s.x() * x + s.y() * y + s.z() * z, t.x() * x + t.y() * y + t.z() * z,
+               per_height * loadLanes<Lanes>(samples.height + i));
     }
     sums.addTo(out);
   }

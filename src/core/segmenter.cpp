@@ -26,9 +26,11 @@ namespace {
 PatchComparison comparisonOf(const Config& config) { return {config.running_plane, config.noise_aware}; }
 
 // What correlated errors do to the noise, if it is estimated, and to the tolerance.
-void estimateCorrelation(const Config& config, NoiseModel& noise, CoplanarityTolerance& tolerance, PatchGrid& patches) {
-  tolerance.inflation = estimateInflation(patches);
-  const NoiseCorrelation found = measureCorrelation(patches, tolerance.inflation);
+void estimateCorrelation(const Config& config, NoiseModel& noise, CoplanarityTolerance& tolerance,
+                         ClusteringMemory& memory) {
+  PatchGrid& patches = memory.patches;
+  tolerance.inflation = estimateInflation(patches, memory.excesses);
+  const NoiseCorrelation found = measureCorrelation(patches, tolerance.inflation, memory.correlation);
   tolerance.inflation_growth = found.growth;
   tolerance.patch_points = found.points;
   if (config.noise_scale > 0.0 || found.variance == 1.0) return;
@@ -76,7 +78,8 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vecto
 LabelImage clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMemory& memory,
                           std::vector<StageTime>* stages) {
   StageTimer timer(stages);
-  const LineErrors line_errors = config.noise_aware ? estimateLineErrors(measured, config.threads) : LineErrors();
+  const LineErrors line_errors =
+      config.noise_aware ? estimateLineErrors(measured, memory.lines, config.threads) : LineErrors();
   if (!line_errors.empty()) removeLineErrors(line_errors, measured, memory.corrected);
   const BeamGrid& grid = line_errors.empty() ? measured : memory.corrected;
   PatchGrid& patches = memory.patches;
@@ -86,11 +89,11 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
   timer.lap("moments");
 
   NoiseModel noise = config.noise_scale > 0.0 ? NoiseModel(config.sensor, config.noise_scale)
-                                              : NoiseModel::estimate(patches, config.sensor);
+                                              : NoiseModel::estimate(patches, config.sensor, memory.noise);
   CoplanarityTolerance tolerance{config.sigma_distance, config.sigma_angle, 1.0};
   weighPatches(noise, patches, config.threads);
   gatePatches(noise, tolerance, patches, config.threads);
-  if (config.noise_aware) estimateCorrelation(config, noise, tolerance, patches);
+  if (config.noise_aware) estimateCorrelation(config, noise, tolerance, memory);
   gatePatches(noise, tolerance, patches, config.threads);
   timer.lap("fits");
 
@@ -127,25 +130,26 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
     }
   }
   const int gap_rows = 2 * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols), gap_cols = 2;
-  std::vector<LabelRun> runs;
-  std::vector<std::int32_t> whole = splitComponents(gap_rows, gap_cols, labels, &runs);
+  LabelPieces& pieces = memory.pieces;
+  pieces.whole = splitComponents(gap_rows, gap_cols, labels, &pieces.runs);
   timer.lap("components");
-  std::vector<std::int32_t> names = planarNames(grid, noise, tolerance, config.max_turn, labels, runs, config.threads);
+  planarNames(grid, noise, tolerance, config.max_turn, labels, pieces.runs, memory.curvature, pieces.names, config.threads);
   timer.lap("curvature");
   const std::vector<Eigen::Vector3d> planes = labelPlanes(shares);
   if (config.refine && config.settle_borders) {
-    const LabelPieces pieces = {std::move(labels), std::move(runs), std::move(whole), std::move(names)};
-    whole = settleBorders(grid, patches, shares, planes, noise, tolerance, pieces, smallestRegion(config, grid.size()),
-                          gap_rows, gap_cols, labels, config.threads);
+    std::swap(pieces.labels, labels);
+    pieces.whole = settleBorders(grid, patches, shares, planes, noise, tolerance, pieces,
+                                 smallestRegion(config, grid.size()), gap_rows, gap_cols, labels, config.threads);
     timer.lap("borders");
   } else {
-    renameLabels(names, runs, labels);
+    renameLabels(pieces.names, pieces.runs, labels);
   }
   if (config.fill_holes) {
-    std::vector<Eigen::Vector3d> piece_planes;
-    piece_planes.reserve(whole.size());
-    for (const std::int32_t label : whole) piece_planes.push_back(planes[label]);
-    fillHoles(grid, piece_planes, patches.center, noise, tolerance, smallestRegion(config, grid.size()), labels);
+    std::vector<Eigen::Vector3d>& piece_planes = memory.piece_planes;
+    piece_planes.clear();
+    for (const std::int32_t label : pieces.whole) piece_planes.push_back(planes[label]);
+    fillHoles(grid, piece_planes, patches.center, noise, tolerance, smallestRegion(config, grid.size()), memory.holes,
+              labels);
     timer.lap("holes");
   }
   return labels;

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <vector>
 
 namespace ppc {
 namespace {
@@ -14,6 +16,7 @@ namespace {
 // own.
 struct Group {
   SurfaceSamples samples;
+  std::vector<float> columns;  // of the samples
   std::vector<Eigen::Vector3d> points;
   std::vector<double> weights;
 };
@@ -30,18 +33,21 @@ Group makeGroup(unsigned seed, int n, double s0, double t0, double width) {
   SurfaceSamples& samples = group.samples;
   samples.center = kOrigin + kFrame * Eigen::Vector3d(s0, t0, surface(s0, t0));
   samples.normal = kFrame * Eigen::Vector3d(-0.1 * s0 - 0.03 * t0, 0.2 * t0 - 0.03 * s0, 1.0).normalized();
-  for (int i = 0; i < (n + 3) / 4 * 4; ++i) {
+  const auto size = static_cast<std::size_t>((n + 3) / 4 * 4);
+  group.columns.resize(SurfaceSamples::kColumns * size);
+  samples.place(group.columns.data(), size);
+  for (int i = 0; i < static_cast<int>(size); ++i) {
     const double s = s0 + inside(random), t = t0 + inside(random);
     const Eigen::Vector3d p = kOrigin + kFrame * Eigen::Vector3d(s, t, surface(s, t) + noise(random)) - samples.center;
-    samples.x.push_back(static_cast<float>(p.x()));
-    samples.y.push_back(static_cast<float>(p.y()));
-    samples.z.push_back(static_cast<float>(p.z()));
-    samples.height.push_back(static_cast<float>(samples.normal.dot(p)));
-    samples.weight.push_back(i < n ? static_cast<float>(weight(random)) : 0.0F);
+    samples.x[i] = static_cast<float>(p.x());
+    samples.y[i] = static_cast<float>(p.y());
+    samples.z[i] = static_cast<float>(p.z());
+    samples.height[i] = static_cast<float>(samples.normal.dot(p));
+    samples.weight[i] = i < n ? static_cast<float>(weight(random)) : 0.0F;
     if (i >= n) continue;
     ++samples.used;
     group.points.push_back(samples.center + p);
-    group.weights.push_back(samples.weight.back());
+    group.weights.push_back(samples.weight[i]);
   }
   return group;
 }
@@ -118,8 +124,8 @@ TEST(QuadraticFit, GroupsTogetherAreFittedAsRowByRow) {
 TEST(QuadraticFit, TooFewSamplesGiveNone) {
   const Group few = makeGroup(3, 5, 0.0, 0.0, 1.0), one_place = makeGroup(4, 20, 0.0, 0.0, 0.0);
   for (const Group* group : {&few, &one_place}) {
-    SurfaceSamples samples = group->samples;
-    if (group == &one_place) samples.x = samples.y = samples.z = std::vector<float>(samples.size(), 0.0F);
+    const SurfaceSamples& samples = group->samples;
+    if (group == &one_place) std::fill_n(samples.x, 3 * samples.size, 0.0F);  // y and z follow
     const QuadraticFit fit = fitQuadratic(sumQuadratic(samples, kFrame.col(0), kFrame.col(1)));
     EXPECT_EQ(fit.weight, 0.0);
     EXPECT_EQ(fit.plane_chi2, 0.0);

@@ -34,8 +34,17 @@ struct Surroundings {
   double inflation = 1.0;  ///< see CoplanarityTolerance
 };
 
+/// @brief Surroundings of some of the patches, and to which patches they belong.
+struct FoundSurroundings {
+  std::vector<int> of;
+  std::vector<Surroundings> around;
+  std::vector<int> reached;  ///< for every patch: the last one from which it was
+  std::vector<int> wave;     ///< those reached from one patch
+};
+
 /// @brief Working memory of growClusters(), which one image after the other may use.
 struct GrowthMemory {
+  std::vector<FoundSurroundings> found;       ///< part by part of the patches
   std::vector<std::pair<double, int>> seeds;  ///< roughness of the surroundings, index of the patch
   std::vector<double> roughness, radius;      ///< of every patch, where it is planar
   std::vector<int> around_of;                 ///< for every patch: index of its surroundings, or -1
@@ -52,6 +61,8 @@ void gatePatches(const NoiseModel& noise, const CoplanarityTolerance& tolerance,
 /// @brief How much more the planes of neighbouring patches differ than white noise explains: noise that is correlated along
 /// a line, or shared by a whole line, does not average out within a patch. From a low quantile over all pairs. At least 1.
 double estimateInflation(const PatchGrid& grid);
+/// @param scratch overwritten.
+double estimateInflation(const PatchGrid& grid, std::vector<double>& scratch);
 
 /// @brief With what, and by which measure, a patch is compared before it joins a cluster.
 struct PatchComparison {

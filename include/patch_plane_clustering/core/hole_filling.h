@@ -10,6 +10,14 @@
 
 namespace ppc {
 
+/// @brief Working memory of fillHoles(), which one image after the other may use.
+struct HoleMemory {
+  std::vector<int> points;  ///< of each label
+  std::vector<char> loose;  ///< labels, and none, that are not those of a region
+  std::vector<char> seen;   ///< pixels
+  std::vector<int> speck;
+};
+
 /// @brief Gives points inside of a region to it which as a whole lie on its plane as well as noise lets them.
 ///
 /// Smooth noise makes bumps that look like faces of their own to patches; they end as specks that are too small for a
@@ -17,6 +25,11 @@ namespace ppc {
 /// distance from the plane is within the error of such a mean and the tolerance, and its points scatter no more than noise.
 /// @param planes a (see moments.h) of every label. @param center origin of the planes [m]. @param smallest points that a
 /// region has at least.
+void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
+               const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, HoleMemory& memory,
+               LabelImage& labels);
+
+/// @brief The same without memory.
 void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
                const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, LabelImage& labels);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/line_misfit.h"
 
 #include <vector>
 
@@ -17,6 +18,14 @@ struct LineErrors {
   bool empty() const { return range.empty() && turn.empty(); }
 };
 
+/// @brief Working memory of estimateLineErrors(), which one image after the other may use.
+struct LineErrorMemory {
+  std::vector<LineMisfit> misfits;          ///< of each line
+  std::vector<LineMisfitMemory> of_thread;  ///< one a thread
+  std::vector<double> sizes, spreads, deviations, slopes, uneven;
+  BeamGrid corrected;
+};
+
 /// @brief Errors of range and of tilt that each line has for itself: a range that drifts, an encoder of coarse steps, play
 /// in the gears.
 ///
@@ -26,6 +35,9 @@ struct LineErrors {
 /// line, which cannot be told from the shape of the scene. Errors smaller than the noise of single ranges do no harm and are
 /// left alone; so are images that were not taken line by line (range cameras). Lines are the rows of a range image; those of
 /// a cloud are its rows or, if these show no errors, its columns.
+LineErrors estimateLineErrors(const BeamGrid& grid, LineErrorMemory& memory, int threads = 1);
+
+/// @brief The same without memory.
 LineErrors estimateLineErrors(const BeamGrid& grid, int threads = 1);
 
 /// @brief Takes the errors out of the ranges, and turns the beams to where they pointed. @param out overwritten.

@@ -3,6 +3,8 @@
 
 #include "patch_plane_clustering/core/patch_grid.h"
 
+#include <vector>
+
 namespace ppc {
 
 /// @brief What errors that are correlated farther than over a patch do: smooth errors of range cameras, steps of their
@@ -13,9 +15,15 @@ struct NoiseCorrelation {
   double points = 1.0;    ///< of a patch, from which it grows
 };
 
+/// @brief Working memory of measureCorrelation(), which one image after the other may use.
+struct CorrelationMemory {
+  std::vector<double> excesses, variances, points;
+};
+
 /// @brief Measures both from low quantiles over squares of planar patches; nothing is found in white noise or in images of
 /// less than 100 such pairs of squares, or such squares. @param grid weighed and gated. @param inflation of its patches
 /// (estimateInflation).
 NoiseCorrelation measureCorrelation(const PatchGrid& grid, double inflation);
+NoiseCorrelation measureCorrelation(const PatchGrid& grid, double inflation, CorrelationMemory& memory);
 
 }  // namespace ppc

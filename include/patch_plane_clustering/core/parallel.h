@@ -3,24 +3,43 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstddef>
 #include <future>
 #include <vector>
 
 namespace ppc {
 
+/// @brief Calls f(worker) for each worker in [0, workers) (at least one) on a thread of its own, the first on the caller's;
+/// returns when all are done. @throws what f throws (the first one, once all threads have stopped).
+template <typename F>
+void forEachWorker(int workers, const F& f) {
+  std::vector<std::future<void>> others;
+  for (int worker = 1; worker < workers; ++worker) others.push_back(std::async(std::launch::async, f, worker));
+  f(0);
+  for (std::future<void>& other : others) other.get();
+}
+
 /// @brief Calls f(part) once for each part in [0, parts), on up to `threads` threads, the caller's among them; returns when
 /// all are done. Which thread takes which part is open: f must write only what belongs to its part.
-/// @throws what f throws (the first part's exception, once all threads have stopped).
+/// @throws as forEachWorker().
 template <typename F>
 void forEachPart(int threads, int parts, F&& f) {
   std::atomic<int> next{0};
-  const auto work = [&] {
+  forEachWorker(std::min(threads, parts), [&](int) {
     for (int part = next++; part < parts; part = next++) f(part);
-  };
-  std::vector<std::future<void>> others;
-  for (int t = 1; t < std::min(threads, parts); ++t) others.push_back(std::async(std::launch::async, work));
-  work();
-  for (std::future<void>& other : others) other.get();
+  });
+}
+
+/// @brief The same with working memory: f(part, memory). Each thread has one of the memories for itself (there will be as
+/// many); f must not depend on what others have left in it.
+template <typename Memory, typename F>
+void forEachPart(int threads, int parts, std::vector<Memory>& memories, F&& f) {
+  const int workers = std::max(1, std::min(threads, parts));
+  if (memories.size() < static_cast<std::size_t>(workers)) memories.resize(static_cast<std::size_t>(workers));
+  std::atomic<int> next{0};
+  forEachWorker(workers, [&](int worker) {
+    for (int part = next++; part < parts; part = next++) f(part, memories[worker]);
+  });
 }
 
 /// First index of a part, if [0, count) is cut into `parts` of about equal size; `part` = parts gives count.
@@ -28,13 +47,27 @@ inline int partBegin(int count, int parts, int part) {
   return static_cast<int>(static_cast<long long>(count) * part / parts);
 }
 
+/// How many ranges forEachRange() makes of [0, count).
+inline int rangeCount(int threads, int count) {
+  constexpr int kRangesPerThread = 4;  // the ranges are not equally hard
+  return threads > 1 ? std::max(1, std::min(threads * kRangesPerThread, count)) : 1;
+}
+
 /// @brief Calls f(begin, end) for ranges that cover [0, count), as forEachPart(). The ranges depend on the number of
 /// threads: what f writes for an index must depend on the index alone.
 template <typename F>
 void forEachRange(int threads, int count, F&& f) {
-  constexpr int kRangesPerThread = 4;  // the ranges are not equally hard
-  const int parts = threads > 1 ? std::max(1, std::min(threads * kRangesPerThread, count)) : 1;
+  const int parts = rangeCount(threads, count);
   forEachPart(threads, parts, [&](int part) { f(partBegin(count, parts, part), partBegin(count, parts, part + 1)); });
+}
+
+/// @brief The same with memory for each thread: f(begin, end, memory).
+template <typename Memory, typename F>
+void forEachRange(int threads, int count, std::vector<Memory>& memories, F&& f) {
+  const int parts = rangeCount(threads, count);
+  forEachPart(threads, parts, memories, [&](int part, Memory& memory) {
+    f(partBegin(count, parts, part), partBegin(count, parts, part + 1), memory);
+  });
 }
 
 }  // namespace ppc

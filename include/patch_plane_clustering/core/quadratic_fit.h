@@ -2,21 +2,31 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
+#include <cstddef>
 
 namespace ppc {
 
-/// @brief Samples of a surface near a plane of its own, an array a number. All arrays are as long as each other, and whole
-/// lanes (a multiple of kLanes): fill up with samples of weight 0.
+/// @brief Samples of a surface near a plane of its own: columns of numbers in someone else's memory. Columns are whole lanes
+/// (a multiple of kLanes) long: fill up with samples of weight 0.
 struct SurfaceSamples {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< on the plane; the points are about it [m]
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
-  std::vector<float> x, y, z;  ///< [m]
-  std::vector<float> height;   ///< normal . (x, y, z) [m]
-  std::vector<float> weight;   ///< 1 / variance of the height [1/m^2]; 0: left out
-  int used = 0;                ///< samples of a weight above 0
+  float *x = nullptr, *y = nullptr, *z = nullptr;  ///< [m]
+  float* height = nullptr;                         ///< normal . (x, y, z) [m]
+  float* weight = nullptr;                         ///< 1 / variance of the height [1/m^2]; 0: left out
+  std::size_t size = 0;                            ///< of a column
+  int used = 0;                                    ///< samples of a weight above 0
 
-  std::size_t size() const { return x.size(); }
+  static constexpr std::size_t kColumns = 5;
+  /// Lays the columns out in room for kColumns * length numbers.
+  void place(float* room, std::size_t length) {
+    x = room;
+    y = x + length;
+    z = y + length;
+    height = z + length;
+    weight = height + length;
+    size = length;
+  }
 };
 
 /// @brief Normal equations of weighted least squares  z(s, t) = c . (1, s, t, s^2, s t, t^2)  about an origin. Those of

@@ -2,8 +2,14 @@
 #pragma once
 
 #include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/border_settlement.h"
 #include "patch_plane_clustering/core/clustering.h"
 #include "patch_plane_clustering/core/config.h"
+#include "patch_plane_clustering/core/curvature.h"
+#include "patch_plane_clustering/core/hole_filling.h"
+#include "patch_plane_clustering/core/line_errors.h"
+#include "patch_plane_clustering/core/noise_correlation.h"
+#include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/patch_grid.h"
 #include "patch_plane_clustering/core/region_merging.h"
 #include "patch_plane_clustering/core/segmentation.h"
@@ -13,13 +19,21 @@ namespace ppc {
 /// @brief Working memory of clusterPatches(). Given to one image after the other, it spares them asking the system for
 /// megabytes each; it carries nothing else from one to the next.
 struct ClusteringMemory {
+  LineErrorMemory lines;
   BeamGrid corrected;  ///< the image without errors of whole lines
+  NoiseMemory noise;
+  CorrelationMemory correlation;
+  std::vector<double> excesses;
   AngularSteps steps;
   PatchGrid patches, small_patches;
   PatchClusters clusters;
   GrowthMemory growth;
   CellShares shares, shares_before;
   std::vector<char> changed;
+  LabelPieces pieces;
+  CurvatureMemory curvature;
+  std::vector<Eigen::Vector3d> piece_planes;  ///< of the pieces of labels
+  HoleMemory holes;
 };
 
 /// @brief Patch-based Plane Clustering: labels of the planar regions of a grid of beams (PPC's own stages, up to the label
