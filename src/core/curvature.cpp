@@ -33,6 +33,12 @@ constexpr double kNarrowTurn = 0.6;     // turn of each over the angle between t
 constexpr int kFanSizes = 6;            // largest ratio of their sizes
 constexpr double kFanRatio = 0.15;      // misfit of one quadratic surface over that of one plane, for two strips of a fan
 constexpr double kFanMisfit = 0.1;      // the same misfit per point, in units of the noise variance
+constexpr double kWideFan = 0.93;   // angle between two strips from which on the sides of an edge must be ruled out [rad]
+constexpr double kWidestFan = 2.0;  // largest angle between two strips of a fan [rad]
+constexpr double kWideFanRatio = 0.05;  // as kFanRatio, beyond kWideFan: an evenly sampled edge of two planes has 1/16
+constexpr double kLimbAngle = 0.31;     // smallest angle of a strip at the limb of a curved surface to its neighbour [rad]
+constexpr double kLimbRatio = 0.65;     // as kFanRatio, for such a strip
+constexpr double kLimbMisfit = 0.6;     // as kFanMisfit, likewise
 constexpr double kEdgeTolerance = 3.0;  // of a bent edge of a plane, in tolerances of distance
 constexpr double kUniformWidth = 3.46;  // width of a uniform distribution over its standard deviation
 
@@ -191,8 +197,16 @@ void findTouching(const LabelImage& labels, int gap, LabelPairs& pairs) {
   }
 }
 
-// One smooth surface serves both as well as two of their own would, one plane does not.
-bool isSmooth(const SampledRegion& a, const SampledRegion& b, const CoplanarityTolerance& tolerance) {
+// How much worse one surface serves two regions than two of their own do, in chi-square.
+struct CommonSurface {
+  double plane = 0.0;      // of one plane
+  double quadratic = 0.0;  // of one quadratic surface
+  double allowed = 0.0;    // what noise and tolerance are worth in all of the points
+
+  bool isSmooth(double ratio, double misfit) const { return quadratic < ratio * plane && quadratic < misfit * allowed; }
+};
+
+CommonSurface fitCommonSurface(const SampledRegion& a, const SampledRegion& b, const CoplanarityTolerance& tolerance) {
   const Eigen::Vector3d n = (a.points * a.plane.normal + b.points * b.plane.normal).normalized();
   const Eigen::Vector3d s = n.unitOrthogonal(), t = n.cross(s);
   const Eigen::Vector3d origin = (a.points * a.samples.center + b.points * b.samples.center) / (a.points + b.points);
@@ -201,30 +215,42 @@ bool isSmooth(const SampledRegion& a, const SampledRegion& b, const CoplanarityT
   const QuadraticFit fit_a = fitQuadratic(sums), fit_b = fitQuadratic(sums_b);
   const QuadraticFit both = fitQuadratic(sums += sums_b);
   const double points = a.stride * a.samples.used + b.stride * b.samples.used;
-  const double plane_excess = both.plane_chi2 - fit_a.plane_chi2 - fit_b.plane_chi2;
-  const double quadratic_excess = both.quadratic_chi2 - fit_a.quadratic_chi2 - fit_b.quadratic_chi2;
-  return plane_excess > kSignificance * tolerance.inflation && quadratic_excess < kFanRatio * plane_excess &&
-         quadratic_excess <
-             kFanMisfit * (tolerance.inflation * points + tolerance.sigma_distance * tolerance.sigma_distance * both.weight);
+  return {both.plane_chi2 - fit_a.plane_chi2 - fit_b.plane_chi2,
+          both.quadratic_chi2 - fit_a.quadratic_chi2 - fit_b.quadratic_chi2,
+          tolerance.inflation * points + tolerance.sigma_distance * tolerance.sigma_distance * both.weight};
 }
 
-// Whether neighbours are turned against each other by more than an angle [rad], and not as the sides of an edge.
-bool isTurned(const SampledRegion& a, const SampledRegion& b, double min_angle) {
-  const double cosine = a.plane.normal.dot(b.plane.normal);
-  return cosine < std::cos(min_angle) && cosine > 0.6;
+double angleBetween(const SampledRegion& a, const SampledRegion& b) {
+  return std::acos(std::clamp(a.plane.normal.dot(b.plane.normal), -1.0, 1.0));
 }
 
-// Two strips of a fan: well turned against each other, or each bent by about as much as they are.
+// Two strips of a fan: well turned against each other, or each bent by about as much as they are; one quadratic surface
+// serves both.
 bool isFan(const SampledRegion& a, const SampledRegion& b, const CoplanarityTolerance& tolerance, double max_turn) {
   // A scrap beside a large plane proves nothing about the plane.
   if (a.points > kFanSizes * b.points || b.points > kFanSizes * a.points) return false;
-  if (!isTurned(a, b, kNarrowAngle * max_turn)) return false;
-  const double angle = std::acos(std::min(1.0, a.plane.normal.dot(b.plane.normal)));
+  const double angle = angleBetween(a, b);
+  if (angle < kNarrowAngle * max_turn || angle > kWidestFan) return false;
   const auto bends = [&](const Bend& bend) {
     return bend.turn > kNarrowTurn * angle && radiusOf(bend) < kNarrowRadius &&
            bend.excess > kSignificance * tolerance.inflation;
   };
-  return (isTurned(a, b, kFanAngle * max_turn) || (bends(a.bend) && bends(b.bend))) && isSmooth(a, b, tolerance);
+  if (angle < kFanAngle * max_turn && !(bends(a.bend) && bends(b.bend))) return false;
+  const CommonSurface common = fitCommonSurface(a, b, tolerance);
+  return common.plane > kSignificance * tolerance.inflation &&
+         common.isSmooth(angle < kWideFan ? kFanRatio : kWideFanRatio, kFanMisfit);
+}
+
+// A strip beside a curved one: turned against it, and part of one smooth surface with it; at the limb of a cylinder, where
+// beams graze it, less exactly.
+bool isMoreOfFan(const SampledRegion& strip, const SampledRegion& beside, const CoplanarityTolerance& tolerance,
+                 double max_turn) {
+  const double angle = angleBetween(strip, beside);
+  if (angle < kNarrowAngle * max_turn || angle > kWidestFan) return false;
+  const CommonSurface common = fitCommonSurface(strip, beside, tolerance);
+  if (common.plane < kSignificance * tolerance.inflation) return false;
+  if (angle < kWideFan && common.isSmooth(kFanRatio, kFanMisfit)) return true;
+  return angle > kLimbAngle && strip.points < beside.points && common.isSmooth(kLimbRatio, kLimbMisfit);
 }
 
 // Root mean square distance of samples from a plane, their noise taken out [m].
@@ -349,7 +375,7 @@ void planarNames(const BeamGrid& grid, const NoiseModel& noise, const Coplanarit
     const std::int32_t strip = of_first ? second : first, beside = of_first ? first : second;
     if (regions[strip].points >= kStripSizes * regions[beside].points) continue;
     const SampledRegion &a = regions[strip], &b = regions[beside];
-    if (weak[strip] != 0 || (isTurned(a, b, kNarrowAngle * max_turn) && isSmooth(a, b, tolerance))) curved[strip] = 1;
+    if (weak[strip] != 0 || isMoreOfFan(a, b, tolerance, max_turn)) curved[strip] = 1;
   }
   // A bent strip along a larger plane that it hardly leaves is the soft edge of that plane.
   names.resize(regions.size());

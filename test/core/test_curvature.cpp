@@ -99,6 +99,20 @@ TEST(DropCurvedRegions, ClearsStripsOfAFan) {
   EXPECT_EQ(countOf(scene.labels, 0), scene.grid.size());
 }
 
+TEST(DropCurvedRegions, KeepsTheSidesOfAPostInMuchNoise) {
+  const NoiseModel coarse(SensorModel{0.04, 0.04, 10.0, 0.0}, 1.0);
+  for (const double half : {0.7, 1.0, 1.4}) {  // edges of 70, 90 and 109 deg
+    Scene scene({wall({-1.0, half, 0.0}, -2.0), wall({-1.0, -half, 0.0}, -2.0)}, 0.04);
+    for (int i = 0; i < scene.grid.size(); ++i) {
+      if (std::abs(scene.grid.point(i).y()) > 0.2F) scene.labels.labels[i] = 0;
+    }
+    const std::vector<std::int32_t> before = scene.labels.labels;
+    ASSERT_GT(countOf(scene.labels, 1), 1000);
+    scene.drop(kMaxTurn, coarse);
+    EXPECT_EQ(scene.labels.labels, before) << half;
+  }
+}
+
 // A column is no parabola, and a fine sensor sees the difference; it is well below the tolerance.
 TEST(DropCurvedRegions, ClearsStripsOfAFanAlsoForAFineSensor) {
   const NoiseModel fine(SensorModel{0.0005, 0.0005, 10.0, 0.0}, 1.0);

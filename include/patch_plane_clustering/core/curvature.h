@@ -57,7 +57,9 @@ std::vector<Bend> measureBends(const BeamGrid& grid, const LabelImage& labels, c
 /// A region is curved if its normal turns by more than `max_turn` from end to end *and* the bend is beyond noise and
 /// tolerance. The turn tells a cylinder (a strip as thick as the noise still turns by tenths of a radian) from a real wall,
 /// which may bow by a centimetre over several metres. Touching regions that meet at an angle are strips of one curved
-/// surface if one quadratic surface serves both; at the crease of two planes it does not.
+/// surface if one quadratic surface serves both; at the crease of two planes it does not (of an evenly sampled one, a
+/// sixteenth of what one plane leaves remains). So come the halves of a thin column in much noise, nearly at right angles;
+/// strips at its limbs, beside one that is found curved, need only come near one such surface.
 /// @param runs of the labels.
 /// @param names set for every label to itself if it is planar, 0 if it is curved, or the label of the plane whose soft edge
 /// it is.
