@@ -20,10 +20,14 @@ struct Kept {
 // Calls f(piece, was, begin, end) for every stretch of pixels of one new piece and one piece before, or none (0).
 template <typename F>
 void forEachStretch(const LabelPieces& before, const std::vector<LabelRun>& runs, F&& f) {
+  const LabelRun* was = before.runs.data();
+  const LabelRun* const last = was + before.runs.size();
   for (const LabelRun& run : runs) {
     for (int begin = run.begin, end = 0; begin < run.end; begin = end) {
-      end = runEnd(before.labels.labels.data(), begin, run.end);
-      f(run.label, before.labels.labels[begin], begin, end);
+      while (was != last && was->end <= begin) ++was;
+      const bool inside = was != last && was->begin <= begin;
+      end = was == last ? run.end : std::min(run.end, inside ? was->end : was->begin);
+      f(run.label, inside ? was->label : 0, begin, end);
     }
   }
 }
@@ -32,8 +36,14 @@ void forEachStretch(const LabelPieces& before, const std::vector<LabelRun>& runs
 std::vector<Kept> countKept(const LabelPieces& before, const std::vector<LabelRun>& runs,
                             const std::vector<std::int32_t>& whole) {
   std::vector<Kept> kept;
+  std::vector<std::size_t> latest(whole.size(), 0);  // of each new piece, plus one: most stretches add to it
   forEachStretch(before, runs, [&](std::int32_t piece, std::int32_t was, int begin, int end) {
-    if (was != 0 && before.whole[was] == whole[piece]) kept.push_back({piece, was, end - begin});
+    if (was == 0 || before.whole[was] != whole[piece]) return;
+    if (latest[piece] == 0 || kept[latest[piece] - 1].before != was) {
+      kept.push_back({piece, was, 0});
+      latest[piece] = kept.size();
+    }
+    kept[latest[piece] - 1].points += end - begin;
   });
   std::sort(kept.begin(), kept.end(),
             [](const Kept& a, const Kept& b) { return a.piece != b.piece ? a.piece < b.piece : a.before < b.before; });
@@ -75,17 +85,19 @@ std::vector<std::int32_t> mostOf(const std::vector<Kept>& kept, std::int32_t Kep
 }
 
 // Gives points of regions that went to a label without any region back to theirs: such a label may only defend its own.
-void giveBack(const LabelPieces& before, const std::vector<char>& is_region, std::size_t count, LabelImage& labels) {
+void giveBack(const BeamGrid& grid, const PatchGrid& cells, const std::vector<int>& contested, const LabelPieces& before,
+              const std::vector<char>& is_region, std::size_t count, LabelImage& labels) {
   std::vector<char> has_region(count, 0);  // of each label
   for (std::size_t piece = 1; piece < is_region.size(); ++piece) {
     if (is_region[piece] != 0) has_region[before.whole[piece]] = 1;
   }
-  for (const LabelRun& run : before.runs) {
-    if (is_region[run.label] == 0) continue;
-    for (int begin = run.begin, end = 0; begin < run.end; begin = end) {
-      end = runEnd(labels.labels.data(), begin, run.end);
-      if (has_region[labels.labels[begin]] != 0) continue;
-      std::fill(labels.labels.begin() + begin, labels.labels.begin() + end, before.whole[run.label]);
+  for (const int k : contested) {
+    const Patch& cell = cells.patches[k];
+    for (int r = cell.row_begin; r < cell.row_end; ++r) {
+      for (int i = grid.index(r, cell.col_begin), end = grid.index(r, cell.col_end); i < end; ++i) {
+        const std::int32_t was = before.labels.labels[i];
+        if (is_region[was] > has_region[labels.labels[i]]) labels.labels[i] = before.whole[was];
+      }
     }
   }
 }
@@ -132,13 +144,11 @@ std::vector<std::int32_t> settleBorders(const BeamGrid& grid, const PatchGrid& c
                                         const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
                                         const CoplanarityTolerance& tolerance, const LabelPieces& before, int smallest,
                                         int gap_rows, int gap_cols, LabelImage& labels, int threads) {
-  labels = before.labels;
-  renameLabels(before.whole, before.runs, labels);
-  contestLabels(grid, cells, shares, planes, noise, tolerance, labels, threads);
+  const std::vector<int> contested = contestLabels(grid, cells, shares, planes, noise, tolerance, labels, threads);
   const std::vector<char> is_region = findRegions(before, smallest);
-  giveBack(before, is_region, planes.size(), labels);
-  std::vector<LabelRun> runs;
-  std::vector<std::int32_t> whole = splitComponents(gap_rows, gap_cols, labels, &runs);
+  giveBack(grid, cells, contested, before, is_region, planes.size(), labels);
+  std::vector<LabelRun> runs = labelRuns(labels);
+  std::vector<std::int32_t> whole = splitRuns(grid.cols, gap_rows, gap_cols, runs);
   const std::vector<Kept> kept = countKept(before, runs, whole);
   const std::vector<std::int32_t> heir = mostOf(kept, &Kept::before, &Kept::piece, before.names.size());
   const std::vector<std::int32_t> names = nameRegions(before, is_region, kept, heir, whole.size());

@@ -5,7 +5,14 @@
 
 namespace ppc {
 
-std::vector<std::int32_t> splitComponents(int gap_rows, int gap_cols, LabelImage& labels, std::vector<LabelRun>* runs_out) {
+std::vector<std::int32_t> splitComponents(int gap_rows, int gap_cols, LabelImage& labels) {
+  std::vector<LabelRun> runs = labelRuns(labels);
+  std::vector<std::int32_t> whole = splitRuns(labels.cols, gap_rows, gap_cols, runs);
+  paintRuns(runs, labels);
+  return whole;
+}
+
+std::vector<std::int32_t> splitRuns(int cols, int gap_rows, int gap_cols, std::vector<LabelRun>& of_labels) {
   // Runs of equal labels along the rows, gaps bridged; runs of nearby rows that overlap belong together.
   struct Run {
     int begin, end, parent;
@@ -16,35 +23,32 @@ std::vector<std::int32_t> splitComponents(int gap_rows, int gap_cols, LabelImage
   };
   std::vector<Run> runs;
   std::vector<Stretch> stretches;
-  std::vector<int> row_begin(static_cast<std::size_t>(labels.rows) + 1, 0);
-  for (int r = 0; r < labels.rows; ++r) {
-    row_begin[r] = static_cast<int>(runs.size());
-    const int first = r * labels.cols;
-    for (int c = 0, end = 0; c < labels.cols; c = end) {
-      end = runEnd(labels.labels.data() + first, c, labels.cols);
-      const std::int32_t label = labels.labels[first + c];
-      if (label == 0) continue;
-      int run = -1;
-      for (int k = static_cast<int>(runs.size()) - 1; k >= row_begin[r] && runs[k].end + gap_cols >= c; --k) {
-        if (runs[k].label == label) {
-          run = k;
-          break;
-        }
-      }
-      if (run < 0) {
+  runs.reserve(of_labels.size());
+  stretches.reserve(of_labels.size());
+  std::vector<int> row_begin(1, 0);
+  int row_first = 0;  // pixel
+  for (const LabelRun& whole : of_labels) {
+    for (int begin = whole.begin, end = 0; begin < whole.end; begin = end) {
+      for (; begin >= row_first + cols; row_first += cols) row_begin.push_back(static_cast<int>(runs.size()));
+      end = std::min(whole.end, row_first + cols);
+      const int c = begin - row_first;
+      int run = static_cast<int>(runs.size()) - 1;
+      while (run >= row_begin.back() && runs[run].end + gap_cols >= c && runs[run].label != whole.label) --run;
+      if (run < row_begin.back() || runs[run].end + gap_cols < c) {
         run = static_cast<int>(runs.size());
-        runs.push_back({c, c, run, label});
+        runs.push_back({c, c, run, whole.label});
       }
-      runs[run].end = end;
-      stretches.push_back({first + c, first + end, run});
+      runs[run].end = end - row_first;
+      stretches.push_back({begin, end, run});
     }
   }
-  row_begin[labels.rows] = static_cast<int>(runs.size());
+  const int rows = static_cast<int>(row_begin.size());
+  row_begin.push_back(static_cast<int>(runs.size()));
   const auto find = [&](int i) {
     while (runs[i].parent != i) i = runs[i].parent = runs[runs[i].parent].parent;
     return i;
   };
-  for (int r = 1; r < labels.rows; ++r) {
+  for (int r = 1; r < rows; ++r) {
     for (int back = 1; back <= std::min(r, gap_rows + 1); ++back) {
       int above = row_begin[r - back];
       const int above_end = row_begin[r - back + 1];
@@ -60,10 +64,7 @@ std::vector<std::int32_t> splitComponents(int gap_rows, int gap_cols, LabelImage
       }
     }
   }
-  if (runs_out != nullptr) {
-    runs_out->clear();
-    runs_out->reserve(stretches.size());
-  }
+  of_labels.clear();
   std::vector<std::int32_t> renamed(runs.size(), 0);
   std::vector<std::int32_t> before(1, 0);
   for (const Stretch& stretch : stretches) {
@@ -72,13 +73,7 @@ std::vector<std::int32_t> splitComponents(int gap_rows, int gap_cols, LabelImage
       name = static_cast<std::int32_t>(before.size());
       before.push_back(runs[stretch.run].label);
     }
-    std::fill(labels.labels.begin() + stretch.begin, labels.labels.begin() + stretch.end, name);
-    if (runs_out == nullptr) continue;
-    if (!runs_out->empty() && runs_out->back().end == stretch.begin && runs_out->back().label == name) {
-      runs_out->back().end = stretch.end;  // goes on over the end of a row
-    } else {
-      runs_out->push_back({name, stretch.begin, stretch.end});
-    }
+    appendRun({name, stretch.begin, stretch.end}, of_labels);  // it may go on over the end of a row
   }
   return before;
 }

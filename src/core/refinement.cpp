@@ -16,51 +16,44 @@ class Neighbourhood {
  public:
   /// @param only see onlyLabels().
   Neighbourhood(const PatchGrid& patches, const CellShares& shares, const std::vector<std::int32_t>& only)
-      : patches_(patches),
-        shares_(shares),
-        only_(only),
-        reached_(patches.patches.size(), -1),
-        found_(patches.patches.size()) {}
+      : patches_(patches), shares_(shares), only_(only), reached_(patches.patches.size(), -1) {}
 
   /// In ascending order.
   const std::vector<std::int32_t>& labelsAround(int index) {
     labels_.clear();
-    int* const reached = reached_.data();
-    int* const found = found_.data();
-    int size = 0;
-    const auto take = [&](int i) {
-      if (reached[i] == index) return;
-      reached[i] = index;
-      found[size++] = i;
-    };
-    take(index);
-    for (int step = 0, next = 0; step < 2; ++step) {
-      for (const int end = size; next < end; ++next) patches_.forEachNeighbour(found[next], take);
-    }
-    std::int32_t last = 0;
-    for (int k = 0; k < size; ++k) {
-      const std::int32_t label = only_[found[k]];
-      if (label == last) continue;
+    // Most patches are come upon several times, and most of them have one label, or that of one before.
+    std::int32_t last = 0, other = 0;
+    const std::int32_t* const only = only_.data();
+    const auto look = [&](int i) {
+      const std::int32_t label = only[i];
+      if (label == last || label == other || label == 0) return;
       if (label > 0) {
+        other = last;
         add(last = label);
-      } else if (label < 0) {
-        for (int s = shares_.begin[found[k]]; s < shares_.begin[found[k] + 1]; ++s) add(shares_.shares[s].label);
+      } else if (reached_[i] != index) {
+        reached_[i] = index;
+        for (int s = shares_.begin[i]; s < shares_.begin[i + 1]; ++s) add(shares_.shares[s].label);
       }
-    }
+    };
+    look(index);
+    patches_.forEachNeighbour(index, [&](int near) {
+      look(near);
+      patches_.forEachNeighbour(near, look);
+    });
     return labels_;
   }
 
  private:
   void add(std::int32_t label) {
-    const auto at = std::lower_bound(labels_.begin(), labels_.end(), label);
+    auto at = labels_.begin();
+    while (at != labels_.end() && *at < label) ++at;
     if (at == labels_.end() || *at != label) labels_.insert(at, label);
   }
 
   const PatchGrid& patches_;
   const CellShares& shares_;
   const std::vector<std::int32_t>& only_;
-  std::vector<int> reached_;  // the last patch from which each was reached
-  std::vector<int> found_;
+  std::vector<int> reached_;  // the last patch from which each with several labels was reached
   std::vector<std::int32_t> labels_;
 };
 
@@ -137,18 +130,26 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
   });
 }
 
-void contestLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
-                   const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
-                   const CoplanarityTolerance& tolerance, LabelImage& labels, int threads) {
+std::vector<int> contestLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
+                               const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
+                               const CoplanarityTolerance& tolerance, LabelImage& labels, int threads) {
   const std::vector<std::int32_t> only = onlyLabels(shares);
-  const std::vector<int> border = borderCells(cells, only);
+  std::vector<int> border = borderCells(cells, only);
+  std::vector<char> changed(border.size());
   forEachRange(threads, static_cast<int>(border.size()), [&](int begin, int end) {
     CellResolver resolver(grid, cells, planes, noise, tolerance);
     Neighbourhood neighbourhood(cells, shares, only);
     for (int k = begin; k < end; ++k) {
-      resolver.resolve(cells.patches[border[k]], neighbourhood.labelsAround(border[k]), 1, true, labels);
+      const std::vector<std::int32_t>& candidates = neighbourhood.labelsAround(border[k]);
+      changed[k] = resolver.resolve(cells.patches[border[k]], candidates, 1, true, labels) ? 1 : 0;
     }
   });
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < border.size(); ++k) {
+    if (changed[k] != 0) border[kept++] = border[k];
+  }
+  border.resize(kept);
+  return border;
 }
 
 }  // namespace ppc

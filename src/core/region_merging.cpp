@@ -2,7 +2,6 @@
 #include "patch_plane_clustering/core/region_merging.h"
 
 #include "patch_plane_clustering/core/block_moments.h"
-#include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/parallel.h"
 
 #include <algorithm>
@@ -463,10 +462,15 @@ std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& 
   return names;
 }
 
-void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
-                 CellShares& shares, LabelImage& labels) {
+std::vector<LabelRun> mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
+                                  double threshold, CellShares& shares, LabelImage& labels) {
   const std::vector<std::int32_t> names = mergeShares(cells, noise, tolerance, threshold, shares);
-  renameLabels(names, labelRuns(labels), labels);
+  const std::vector<LabelRun> before = labelRuns(labels);
+  renameLabels(names, before, labels);
+  std::vector<LabelRun> runs;
+  runs.reserve(before.size());
+  for (const LabelRun& run : before) appendRun({names[run.label], run.begin, run.end}, runs);
+  return runs;
 }
 
 }  // namespace ppc

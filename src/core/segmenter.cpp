@@ -115,6 +115,8 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
   const auto refine = [&](std::int32_t first_open) {
     refineLabels(grid, patches, shares, labelPlanes(shares), noise, tolerance, first_open, labels, changed, config.threads);
   };
+  LabelPieces& pieces = memory.pieces;
+  bool runs_known = false;
   if (config.refine) {
     refine(1);
     timer.lap("refinement");
@@ -123,25 +125,29 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
       update();
       refine(first_new);
       update();
-      if (config.merge) mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels);
+      if (config.merge) pieces.runs = mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels);
+      runs_known = config.merge;
       timer.lap("second pass");
     } else {
       update();
     }
   }
   const int gap_rows = 2 * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols), gap_cols = 2;
-  LabelPieces& pieces = memory.pieces;
-  pieces.whole = splitComponents(gap_rows, gap_cols, labels, &pieces.runs);
+  if (!runs_known) pieces.runs = labelRuns(labels);
+  pieces.whole = splitRuns(grid.cols, gap_rows, gap_cols, pieces.runs);
+  pieces.labels = labels;
+  paintRuns(pieces.runs, pieces.labels);
   timer.lap("components");
-  planarNames(grid, noise, tolerance, config.max_turn, labels, pieces.runs, memory.curvature, pieces.names, config.threads);
+  planarNames(grid, noise, tolerance, config.max_turn, pieces.labels, pieces.runs, memory.curvature, pieces.names,
+              config.threads);
   timer.lap("curvature");
   const std::vector<Eigen::Vector3d> planes = labelPlanes(shares);
   if (config.refine && config.settle_borders) {
-    std::swap(pieces.labels, labels);
     pieces.whole = settleBorders(grid, patches, shares, planes, noise, tolerance, pieces,
                                  smallestRegion(config, grid.size()), gap_rows, gap_cols, labels, config.threads);
     timer.lap("borders");
   } else {
+    std::swap(labels, pieces.labels);
     renameLabels(pieces.names, pieces.runs, labels);
   }
   if (config.fill_holes) {

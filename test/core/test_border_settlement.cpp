@@ -37,7 +37,9 @@ struct Corner {
   void start(const std::function<std::int32_t(int, int)>& labels) {
     pieces.labels = truth;
     for (int i = 0; i < grid.size(); ++i) pieces.labels.labels[i] = labels(i / grid.cols, i % grid.cols);
-    pieces.whole = splitComponents(0, 0, pieces.labels, &pieces.runs);
+    pieces.runs = labelRuns(pieces.labels);
+    pieces.whole = splitRuns(grid.cols, 0, 0, pieces.runs);
+    paintRuns(pieces.runs, pieces.labels);
     pieces.names.resize(pieces.whole.size());
     for (std::size_t k = 0; k < pieces.names.size(); ++k) pieces.names[k] = static_cast<std::int32_t>(k);
   }
@@ -52,7 +54,7 @@ struct Corner {
     for (std::int32_t& label : wholes.labels) label = pieces.whole[label];
     std::vector<Eigen::Vector3d> planes = labelPlanes(shareCells(grid, cells, kNoise, truth));
     planes.resize(10, planes[2]);
-    LabelImage out;
+    LabelImage out = wholes;
     const std::vector<std::int32_t> names = settleBorders(grid, cells, shareCells(grid, cells, kNoise, wholes), planes,
                                                           kNoise, kTolerance, pieces, kSmallest, 0, 0, out);
     if (whole != nullptr) *whole = names;

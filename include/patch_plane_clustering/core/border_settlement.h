@@ -31,7 +31,8 @@ struct LabelPieces {
 /// that their new piece has kept are. So strips of a curved surface, which no longer bend once they end where their planes
 /// meet, do not come back, and no scrap grows into a region.
 /// @param before the pieces, their names and labels. @param planes of the labels, see labelPlanes().
-/// @param smallest points of a region, at least. @param labels set to the new pieces; 0 where there is no region.
+/// @param smallest points of a region, at least. @param labels those of which `before` has the pieces; set to the new
+/// pieces, 0 where there is no region.
 /// @return for every new piece the label that it is part of; index = piece.
 std::vector<std::int32_t> settleBorders(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
                                         const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,

@@ -71,6 +71,21 @@ inline void renameLabels(const std::vector<std::int32_t>& names, const std::vect
   }
 }
 
+/// Gives every pixel of the runs its run's label.
+inline void paintRuns(const std::vector<LabelRun>& runs, LabelImage& labels) {
+  std::int32_t* const pixels = labels.labels.data();
+  for (const LabelRun& run : runs) std::fill(pixels + run.begin, pixels + run.end, run.label);
+}
+
+/// Appends a run, or lengthens the last one if that ends there and has the same label.
+inline void appendRun(const LabelRun& run, std::vector<LabelRun>& runs) {
+  if (!runs.empty() && runs.back().end == run.begin && runs.back().label == run.label) {
+    runs.back().end = run.end;
+  } else {
+    runs.push_back(run);
+  }
+}
+
 /// The largest label of an image; 0 if there is none.
 inline std::int32_t highestLabel(const LabelImage& labels) {
   std::int32_t highest = 0;

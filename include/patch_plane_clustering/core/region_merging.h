@@ -2,6 +2,7 @@
 #pragma once
 
 #include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/patch_grid.h"
 #include "patch_plane_clustering/core/segmentation.h"
@@ -52,9 +53,9 @@ std::vector<int> borderCells(const PatchGrid& cells, const std::vector<std::int3
 /// strips on both sides of the border are compared by their offset alone (a plane tilted across a step hides three quarters
 /// of it); those of a wide bow, whose joint plane leaves the border, by the nearest of both sides.
 /// @param cells blocks of pixels by which "touching" and "where they meet" are measured.
-/// @param shares of `labels`; renamed along with them.
-void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
-                 CellShares& shares, LabelImage& labels);
+/// @param shares of `labels`; renamed along with them. @return the runs of the new labels.
+std::vector<LabelRun> mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
+                                  double threshold, CellShares& shares, LabelImage& labels);
 
 /// @brief The same where there is no image of the labels yet. @return the new name of every label.
 std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
