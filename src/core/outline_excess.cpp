@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/outline_excess.h"
 
+#include "patch_plane_clustering/core/lanes.h"
+
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
@@ -9,11 +11,8 @@
 namespace ppc {
 namespace {
 
-// Two corners at a time, in the vector registers that every x86-64 and arm64 processor has.
-using Pair = double __attribute__((vector_size(16)));
-constexpr std::size_t kPair = 2;
-constexpr std::size_t kBlock = 64;
-constexpr double kTiny = 1e-300;  // keeps the excess of a corner on the edge finite: 0
+constexpr std::size_t kBlock = 8;  // corners that are looked at closely, or not, together
+constexpr double kTiny = 1e-300;   // keeps the excess of a corner on the edge finite: 0
 
 Pair load(const double* from) {
   Pair pair;
@@ -39,28 +38,42 @@ struct OutlineExcess::Edge {
   double inverse_length2;
 };
 
-OutlineExcess::OutlineExcess(const OutlinePoint* points, std::size_t size, const OutlineTolerance& tolerance)
-    : size_(size),
-      stride_(size + kPair - 1),  // pairs may reach beyond the end
-      metres2_(tolerance.metres * tolerance.metres),
-      pixels_(tolerance.pixels),
-      columns_(new double[6 * stride_]) {
+void OutlineExcess::setPoints(const OutlinePoint* points, std::size_t size) {
+  size_ = size;
+  stride_ = size + kPair - 1;  // pairs may reach beyond the end
+  columns_.resize(6 * stride_);
   for (std::size_t i = 0; i < size; ++i) {
     const OutlinePoint& p = points[i];
-    double* out = columns_.get() + i;
+    double* out = columns_.data() + i;
     for (const double value : {p.point.x(), p.point.y(), p.row_step.x(), p.row_step.y(), p.col_step.x(), p.col_step.y()}) {
       *out = value;
       out += stride_;
     }
   }
-  for (std::size_t column = 1; column <= 6; ++column) {
-    columns_[column * stride_ - 1] = 0.0;
+  for (std::size_t column = 1; column <= 6; ++column) columns_[column * stride_ - 1] = 0.0;
+}
+
+// Whether the square of a corner's distance may be larger than this.
+bool OutlineExcess::anyFarther(std::size_t begin, std::size_t count, const Edge& e, double distance2) const {
+  const double* const x_column = columns_.data() + begin;
+  const double* const y_column = x_column + stride_;
+  const Pair zero{}, one = both(1.0), from_x = both(e.x), from_y = both(e.y), dx = both(e.dx), dy = both(e.dy);
+  const Pair inverse = both(e.inverse_length2);
+  Pair most{};
+  for (std::size_t i = 0; i < count; i += kPair) {
+    const Pair x = load(x_column + i) - from_x, y = load(y_column + i) - from_y;
+    Pair along = (x * dx + y * dy) * inverse;
+    along = along > zero ? along : zero;
+    along = along < one ? along : one;
+    const Pair away_x = x - along * dx, away_y = y - along * dy;
+    most = larger(most, away_x * away_x + away_y * away_y);
   }
+  return most[0] > distance2 || most[1] > distance2;
 }
 
 // Writes whole pairs: one more than asked for if `count` is odd.
 void OutlineExcess::fill(std::size_t begin, std::size_t count, const Edge& e, double* excess) const {
-  const double* const columns = columns_.get() + begin;
+  const double* const columns = columns_.data() + begin;
   const Pair zero{}, one = both(1.0), tiny = both(kTiny), metres2 = both(metres2_), pixels = both(pixels_);
   const Pair near2 = both(0.25 * metres2_), from_x = both(e.x), from_y = both(e.y), dx = both(e.dx), dy = both(e.dy);
   const Pair inverse = both(e.inverse_length2);
@@ -91,18 +104,25 @@ double OutlineExcess::at(std::size_t corner, const Eigen::Vector2d& from, const 
 }
 
 std::pair<std::size_t, double> OutlineExcess::farthest(std::size_t first, std::size_t last, const Eigen::Vector2d& from,
-                                                       const Eigen::Vector2d& to) const {
+                                                       const Eigen::Vector2d& to, double least) const {
   const Eigen::Vector2d difference = to - from;
   const double length2 = difference.squaredNorm();
   const Edge edge{from.x(), from.y(), difference.x(), difference.y(), length2 > 0.0 ? 1.0 / length2 : 0.0};
   std::pair<std::size_t, double> worst{first, -1.0};
+  // Footprints only ever lower the excess: a corner as near as this need not be looked at closely.
+  constexpr double kRounding = 1.0 - 1e-12;
+  double near2 = kRounding * metres2_ * least;
   double excess[kBlock];
   for (std::size_t k = first + 1; k < last;) {
     const std::size_t begin = k < size_ ? k : k - size_;
     const std::size_t count = std::min({kBlock, last - k, size_ - begin});
-    fill(begin, count, edge, excess);
-    for (std::size_t i = 0; i < count; ++i) {
-      if (excess[i] > worst.second) worst = {k + i, excess[i]};
+    if (anyFarther(begin, count, edge, near2)) {
+      fill(begin, count, edge, excess);
+      for (std::size_t i = 0; i < count; ++i) {
+        if (!(excess[i] > std::max(worst.second, least))) continue;
+        worst = {k + i, excess[i]};
+        near2 = kRounding * metres2_ * excess[i];
+      }
     }
     k += count;
   }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/polygon_piece.h"
 
-#include "patch_plane_clustering/core/ring_crossings.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -10,34 +8,35 @@
 namespace ppc {
 namespace {
 
-using Outlines = std::vector<std::vector<OutlinePoint>>;
+using FlatRings = KeptList<std::vector<Eigen::Vector2d>>;
 
 constexpr int kAttempts = 5;                 // each with half the tolerance of the one before, the last with none
 constexpr double kLargestAreaChange = 0.02;  // of the polygon's area
 
-SimplifiedRing simplify(const std::vector<OutlinePoint>& points, double area, OutlineTolerance tolerance,
-                        double area_change) {
+void simplify(double area, OutlineTolerance tolerance, double area_change, SimplificationMemory& memory,
+              SimplifiedRing& ring) {
   for (int attempt = 1; attempt < kAttempts; ++attempt) {
-    SimplifiedRing ring(points.data(), points.size(), tolerance);
-    if (std::abs(ring.area() - area) <= area_change) return ring;
+    ring.simplify(tolerance, memory);
+    if (std::abs(ring.area() - area) <= area_change) return;
     tolerance = tolerance.halved();
   }
-  return SimplifiedRing(points.data(), points.size(), OutlineTolerance{});
+  ring.simplify(OutlineTolerance{}, memory);
 }
 
 // Refines edges that cross until none do; false if the full rings cross.
-bool pullApart(std::vector<SimplifiedRing>& rings, std::vector<std::vector<Eigen::Vector2d>>& positions) {
-  std::vector<std::size_t> edges;
+bool pullApart(PieceMemory& memory) {
+  std::vector<std::size_t>& edges = memory.edges;
   for (;;) {
-    const std::vector<RingEdge> crossings = findCrossings(positions);
+    const std::vector<RingEdge>& crossings =
+        findCrossings(memory.positions.begin(), memory.positions.size(), memory.crossings);
     if (crossings.empty()) return true;
     bool closer = false;
     for (std::size_t i = 0; i < crossings.size();) {
       const std::size_t ring = crossings[i].ring;
       edges.clear();
       for (; i < crossings.size() && crossings[i].ring == ring; ++i) edges.push_back(crossings[i].edge);
-      if (!rings[ring].refine(edges)) continue;
-      positions[ring] = rings[ring].positions();
+      if (!memory.rings[ring].refine(edges, memory.simplification)) continue;
+      memory.rings[ring].positions(memory.positions[ring]);
       closer = true;
     }
     if (!closer) return false;
@@ -45,10 +44,10 @@ bool pullApart(std::vector<SimplifiedRing>& rings, std::vector<std::vector<Eigen
 }
 
 // Rings of one polygon, once they are apart, in the order of the outlines; false if a hole is not where it was.
-bool nested(const std::vector<std::vector<Eigen::Vector2d>>& rings) {
+bool nested(const FlatRings& rings) {
   for (std::size_t i = 1; i < rings.size(); ++i) {
     const Eigen::Vector2d& p = rings[i].front();  // no ring crosses another: one vertex tells
-    if (!isInside(p, rings.front())) return false;
+    if (!isInside(p, rings[0])) return false;
     for (std::size_t j = 1; j < rings.size(); ++j) {
       if (j != i && isInside(p, rings[j])) return false;
     }
@@ -56,23 +55,28 @@ bool nested(const std::vector<std::vector<Eigen::Vector2d>>& rings) {
   return true;
 }
 
-PolygonPiece assemble(std::vector<std::vector<Eigen::Vector2d>> rings) {
-  PolygonPiece piece;
+void assemble(FlatRings& rings, PolygonPiece& piece) {
+  piece.rings.clear();
+  piece.area = 0.0;
   for (std::size_t i = 0; i < rings.size(); ++i) {
     const double area = signedArea(rings[i]);
     if ((area > 0.0) != (i == 0)) std::reverse(rings[i].begin(), rings[i].end());
     piece.area += i == 0 ? std::abs(area) : -std::abs(area);
-    (i == 0 ? piece.outer : piece.holes.emplace_back()) = std::move(rings[i]);
+    piece.rings.add().swap(rings[i]);
   }
-  return piece;
 }
 
 }  // namespace
 
-std::optional<PolygonPiece> makePiece(const Outlines& outlines, const OutlineTolerance& tolerance) {
-  if (outlines.empty() || outlines.front().size() < 3) return std::nullopt;
-  std::vector<double> areas;  // signed
-  for (const auto& outline : outlines) areas.push_back(signedArea(outline.data(), outline.size()));
+bool makePiece(const Outlines& outlines, const OutlineTolerance& tolerance, PieceMemory& memory, PolygonPiece& piece) {
+  if (outlines.empty() || outlines[0].size() < 3) return false;
+  std::vector<double>& areas = memory.areas;
+  areas.clear();
+  memory.rings.clear();
+  for (const std::vector<OutlinePoint>& outline : outlines) {
+    areas.push_back(signedArea(outline.data(), outline.size()));
+    memory.rings.add().setPoints(outline.data(), outline.size());
+  }
   double area = std::abs(areas.front());
   for (std::size_t i = 1; i < areas.size(); ++i) area -= std::abs(areas[i]);
   area = std::max(area, 0.0);
@@ -81,25 +85,24 @@ std::optional<PolygonPiece> makePiece(const Outlines& outlines, const OutlineTol
   for (int attempt = 1; attempt <= kAttempts; ++attempt, current = current.halved()) {
     const bool last = attempt == kAttempts || tolerance.none();
     if (last) current = {};
-    std::vector<SimplifiedRing> rings;
-    std::vector<std::vector<Eigen::Vector2d>> positions;
-    for (std::size_t i = 0; i < outlines.size(); ++i) {
+    memory.positions.clear();
+    for (std::size_t i = 0; i < areas.size(); ++i) {
       // A small hole may change by more, as long as the polygon hardly notices.
       const double own = kLargestAreaChange * std::abs(areas[i]);
       const double change =
           i == 0 ? kLargestAreaChange * area : std::max(own, std::min(10.0 * own, 0.1 * kLargestAreaChange * area));
-      rings.push_back(simplify(outlines[i], areas[i], current, change));
-      positions.push_back(rings.back().positions());
+      simplify(areas[i], current, change, memory.simplification, memory.rings[i]);
+      memory.rings[i].positions(memory.positions.add());
     }
-    if (!pullApart(rings, positions)) return std::nullopt;  // the full rings cross
-    if (!nested(positions)) {
-      if (last) return std::nullopt;
+    if (!pullApart(memory)) return false;  // the full rings cross
+    if (!nested(memory.positions)) {
+      if (last) return false;
       continue;
     }
-    PolygonPiece piece = assemble(std::move(positions));
-    if (last || std::abs(piece.area - area) <= 2.0 * kLargestAreaChange * area) return piece;
+    assemble(memory.positions, piece);
+    if (last || std::abs(piece.area - area) <= 2.0 * kLargestAreaChange * area) return true;
   }
-  return std::nullopt;
+  return false;
 }
 
 }  // namespace ppc

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/region_polygons.h"
 
-#include "patch_plane_clustering/core/contours.h"
 #include "patch_plane_clustering/core/corner_projection.h"
 #include "patch_plane_clustering/core/crease_snapping.h"
 #include "patch_plane_clustering/core/parallel.h"
-#include "patch_plane_clustering/core/polygon_piece.h"
-#include "patch_plane_clustering/core/ring_loops.h"
+#include "patch_plane_clustering/core/polygon_memory.h"
 #include "patch_plane_clustering/core/ring_simplification.h"
-#include "piece_split.h"
 
 #include <algorithm>
 #include <boost/geometry/algorithms/convex_hull.hpp>
@@ -18,6 +15,7 @@
 #include <boost/geometry/strategies/strategies.hpp>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -38,58 +36,69 @@ constexpr double kMinArea = 1e-8;
 
 class RegionOutliner {
  public:
-  RegionOutliner(const BeamGrid& grid, const LabelImage& labels, const PlanarRegion& region, const PolygonOptions& options)
-      : grid_(grid), labels_(labels), id_(region.id), projection_(grid, labels, region), options_(options) {
+  RegionOutliner(const BeamGrid& grid, const LabelImage& labels, const PlanarRegion& region, const PolygonOptions& options,
+                 OutlineMemory& memory)
+      : grid_(grid), labels_(labels), id_(region.id), projection_(grid, labels, region), options_(options), memory_(memory) {
     tolerance_.metres = std::max(0.0, options.simplification_tolerance);
     if (tolerance_.metres > 0.0) tolerance_.pixels = std::max(0.0, options.pixel_tolerance);
+    memory.pieces.clear();
+    memory.parts.resize(kMaxCuts);
   }
 
-  /// Adds the piece bounded by these rings, outer first; in several parts where one will not do.
-  void add(const std::vector<PixelCorner>& corners, const std::vector<PixelRing>& rings, int cuts) {
-    std::vector<std::vector<OutlinePoint>> outlines;
+  /// Adds the piece bounded by these rings; in several parts where one will not do.
+  void add(const std::vector<PixelCorner>& corners, const PixelPiece& rings, int cuts) {
+    Outlines& outlines = memory_.outlines;
+    outlines.clear();
     std::size_t limited = 0;
     for (const PixelRing& ring : rings) {
       const std::size_t before = projection_.limited();
-      std::vector<OutlinePoint> outline = project(corners, ring);
-      if (outlines.empty()) limited = projection_.limited() - before;
-      if (outline.size() >= 3) {
-        outlines.push_back(std::move(outline));
-      } else if (!ring.hole) {
-        return;
-      }
+      std::vector<OutlinePoint>& outline = outlines.add();
+      project(corners, ring, outline);
+      if (outlines.size() == 1) limited = projection_.limited() - before;
+      if (outline.size() >= 3) continue;
+      outlines.dropLast();
+      if (!ring.hole) return;
     }
-    std::optional<PolygonPiece> piece = makePiece(outlines, tolerance_);
-    if (!piece) piece = makePieceWithoutLoops(outlines);
-    if (!piece && static_cast<double>(limited) > kEdgeOn * static_cast<double>(rings.front().end - rings.front().begin)) {
-      piece = makePiece({hullOf(maskOfPiece(corners, rings))}, tolerance_);
+    const std::size_t outer_corners = rings.outer().end - rings.outer().begin;
+    PolygonPiece& piece = memory_.pieces.add();
+    bool made = makePiece(outlines, tolerance_, memory_.piece, piece) || makePieceWithoutLoops(piece);
+    if (!made && static_cast<double>(limited) > kEdgeOn * static_cast<double>(outer_corners)) {
+      maskPiece(corners, rings, memory_.mask);
+      outlines.clear();
+      hullOf(memory_.mask, outlines.add());
+      made = makePiece(outlines, tolerance_, memory_.piece, piece);
     }
-    if (piece) {
-      keep(std::move(*piece));
-    } else if (cuts < kMaxCuts) {
-      cut(corners, rings, cuts + 1);
-    }
+    if (!made || !(piece.area > kMinArea)) memory_.pieces.dropLast();
+    if (!made && cuts < kMaxCuts) cut(corners, rings, cuts + 1);
   }
 
   void moveTo(std::int32_t id, std::vector<PlanarPolygon>& polygons) {
-    std::stable_sort(pieces_.begin(), pieces_.end(), [](const auto& a, const auto& b) { return a.area > b.area; });
-    for (const PolygonPiece& piece : pieces_) {
-      PlanarPolygon polygon{id, lift(piece.outer), {}, piece.area};
-      for (const auto& hole : piece.holes) polygon.holes.push_back(lift(hole));
+    const KeptList<PolygonPiece>& pieces = memory_.pieces;
+    std::vector<std::size_t>& order = memory_.order;
+    order.resize(pieces.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return pieces[a].area != pieces[b].area ? pieces[a].area > pieces[b].area : a < b;
+    });
+    for (const std::size_t k : order) {
+      const KeptList<std::vector<Eigen::Vector2d>>& rings = pieces[k].rings;
+      PlanarPolygon polygon{id, lift(rings[0]), {}, pieces[k].area};
+      polygon.holes.reserve(rings.size() - 1);
+      for (std::size_t i = 1; i < rings.size(); ++i) polygon.holes.push_back(lift(rings[i]));
       polygons.push_back(std::move(polygon));
     }
   }
 
  private:
   // Corners on the plane; those that coincide count once.
-  std::vector<OutlinePoint> project(const std::vector<PixelCorner>& corners, const PixelRing& ring) {
-    std::vector<OutlinePoint> outline(ring.end - ring.begin);
+  void project(const std::vector<PixelCorner>& corners, const PixelRing& ring, std::vector<OutlinePoint>& outline) {
+    outline.resize(ring.end - ring.begin);
     projection_.project(corners.data() + ring.begin, outline.size(), outline.data());
     dropRepeats(outline);
-    return outline;
   }
 
   // Beams along a plane do not tell where on it an outline runs; the points do, about.
-  std::vector<OutlinePoint> hullOf(const PieceMask& mask) const {
+  void hullOf(const PieceMask& mask, std::vector<OutlinePoint>& outline) const {
     namespace bg = boost::geometry;
     using Point = bg::model::d2::point_xy<double>;
     bg::model::multi_point<Point> points;
@@ -103,35 +112,36 @@ class RegionOutliner {
     }
     bg::model::ring<Point, false, false> hull;
     bg::convex_hull(points, hull);
-    std::vector<OutlinePoint> outline(hull.size());
+    outline.assign(hull.size(), OutlinePoint());
     for (std::size_t i = 0; i < hull.size(); ++i) outline[i].point = {hull[i].x(), hull[i].y()};
     dropRepeats(outline);
-    return outline;
   }
 
-  std::optional<PolygonPiece> makePieceWithoutLoops(std::vector<std::vector<OutlinePoint>>& outlines) const {
-    const double area = std::abs(signedArea(outlines.front().data(), outlines.front().size()));
+  bool makePieceWithoutLoops(PolygonPiece& piece) {
+    Outlines& outlines = memory_.outlines;
+    if (outlines.empty()) return false;
+    const double area = std::abs(signedArea(outlines[0].data(), outlines[0].size()));
     bool shorter = false;
-    for (auto& outline : outlines) shorter |= cutLoops(outline, kLoopShare * area);
-    if (!shorter) return std::nullopt;
-    return makePiece(outlines, tolerance_);
+    for (std::vector<OutlinePoint>& outline : outlines) shorter |= cutLoops(outline, kLoopShare * area, memory_.loops);
+    return shorter && makePiece(outlines, tolerance_, memory_.piece, piece);
   }
 
-  void cut(const std::vector<PixelCorner>& corners, const std::vector<PixelRing>& rings, int cuts) {
-    PieceMask mask = maskOfPiece(corners, rings);
-    if (cuts == 1 ? !splitAtFolds(projection_, mask) && !splitInHalf(mask) : !splitInHalf(mask)) return;
-    PixelContours parts = traceContours(mask.labels);
-    for (PixelCorner& corner : parts.corners) {
+  void cut(const std::vector<PixelCorner>& corners, const PixelPiece& rings, int cuts) {
+    PieceMask& mask = memory_.mask;
+    maskPiece(corners, rings, mask);
+    const bool folds = cuts == 1 && splitAtFolds(projection_, mask, memory_.folds);
+    if (!folds && !splitInHalf(mask)) return;
+    OutlineMemory::Parts& parts = memory_.parts[static_cast<std::size_t>(cuts - 1)];
+    traceContours(mask.labels, memory_.contours, parts.contours);
+    for (PixelCorner& corner : parts.contours.corners) {
       corner.row += mask.row;
       corner.col += mask.col;
     }
-    for (const std::vector<PixelRing>& part : ringsByComponent(parts, options_.min_hole_size)) {
-      if (part.front().pixels >= std::min(options_.min_hole_size, rings.front().pixels / 4)) add(parts.corners, part, cuts);
+    ringsByComponent(parts.contours, options_.min_hole_size, parts.pieces);
+    const int fewest = std::min(options_.min_hole_size, rings.outer().pixels / 4);
+    for (const PixelPiece& part : parts.pieces.pieces) {
+      if (part.outer().pixels >= fewest) add(parts.contours.corners, part, cuts);
     }
-  }
-
-  void keep(PolygonPiece piece) {
-    if (piece.area > kMinArea) pieces_.push_back(std::move(piece));
   }
 
   std::vector<Eigen::Vector3d> lift(const std::vector<Eigen::Vector2d>& ring) const {
@@ -147,7 +157,7 @@ class RegionOutliner {
   CornerProjection projection_;
   const PolygonOptions& options_;
   OutlineTolerance tolerance_;
-  std::vector<PolygonPiece> pieces_;
+  OutlineMemory& memory_;
 };
 
 }  // namespace
@@ -155,30 +165,47 @@ class RegionOutliner {
 std::vector<PlanarPolygon> extractPolygons(const BeamGrid& grid, const LabelImage& labels,
                                            const std::vector<PlanarRegion>& regions, const PolygonOptions& options,
                                            int threads) {
+  PolygonMemory memory;
+  return extractPolygons(grid, labels, labelRuns(labels), regions, options, memory, threads);
+}
+
+std::vector<PlanarPolygon> extractPolygons(const BeamGrid& grid, const LabelImage& labels, const std::vector<LabelRun>& runs,
+                                           const std::vector<PlanarRegion>& regions, const PolygonOptions& options,
+                                           PolygonMemory& memory, int threads) {
   if (labels.rows != grid.rows || labels.cols != grid.cols || labels.labels.size() != grid.range.size()) {
     throw std::invalid_argument("label image of " + std::to_string(labels.rows) + " x " + std::to_string(labels.cols) +
                                 " pixels does not fit the grid of " + std::to_string(grid.rows) + " x " +
                                 std::to_string(grid.cols));
   }
-  const PixelContours contours = traceContours(labels);
-  std::vector<std::vector<PixelRing>> pieces = ringsByComponent(contours, options.min_hole_size);
-  // By label, then by size: the largest part of a region is kept however small it is.
-  std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) {
-    return a.front().label != b.front().label ? a.front().label < b.front().label : a.front().pixels > b.front().pixels;
+  traceContours(labels, runs, memory.tracing, memory.contours);
+  ringsByComponent(memory.contours, options.min_hole_size, memory.pieces);
+  // By label, then by size: the largest part of a region is kept however small it is. Of equal ones the first comes first.
+  std::vector<PixelPiece>& pieces = memory.pieces.pieces;
+  std::sort(pieces.begin(), pieces.end(), [](const PixelPiece& a, const PixelPiece& b) {
+    const PixelRing &first = a.outer(), &second = b.outer();
+    if (first.label != second.label) return first.label < second.label;
+    return first.pixels != second.pixels ? first.pixels > second.pixels : a.first < b.first;
   });
-  std::vector<std::vector<PlanarPolygon>> of_region(regions.size());
-  forEachPart(threads, static_cast<int>(regions.size()), [&](int k) {
+  std::vector<std::vector<PlanarPolygon>>& of_region = memory.of_region;
+  of_region.resize(std::max(of_region.size(), regions.size()));
+  forEachPart(threads, static_cast<int>(regions.size()), memory.of_thread, [&](int k, OutlineMemory& scratch) {
     const PlanarRegion& region = regions[k];
-    const auto before = [](const std::vector<PixelRing>& piece, std::int32_t id) { return piece.front().label < id; };
+    const auto before = [](const PixelPiece& piece, std::int32_t id) { return piece.outer().label < id; };
     auto piece = std::lower_bound(pieces.begin(), pieces.end(), region.id, before);
-    RegionOutliner outliner(grid, labels, region, options);
-    for (bool first = true; piece != pieces.end() && piece->front().label == region.id; ++piece, first = false) {
-      if (first || piece->front().pixels >= options.min_hole_size) outliner.add(contours.corners, *piece, 0);
+    RegionOutliner outliner(grid, labels, region, options, scratch);
+    for (bool first = true; piece != pieces.end() && piece->outer().label == region.id; ++piece, first = false) {
+      if (first || piece->outer().pixels >= options.min_hole_size) outliner.add(memory.contours.corners, *piece, 0);
     }
+    of_region[k].clear();
     outliner.moveTo(region.id, of_region[k]);
   });
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < regions.size(); ++k) count += of_region[k].size();
   std::vector<PlanarPolygon> polygons;
-  for (auto& found : of_region) std::move(found.begin(), found.end(), std::back_inserter(polygons));
+  polygons.reserve(count);
+  for (std::size_t k = 0; k < regions.size(); ++k) {
+    std::move(of_region[k].begin(), of_region[k].end(), std::back_inserter(polygons));
+  }
   if (options.snap_creases) {
     snapCreases(grid, labels, regions, std::max(0.0, options.simplification_tolerance),
                 std::max(0.0, options.pixel_tolerance), polygons);

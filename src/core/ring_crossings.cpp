@@ -6,23 +6,16 @@
 namespace ppc {
 namespace {
 
-struct Segment {
-  Eigen::Vector2d a, b;
-  double min_x, max_x, min_y, max_y;
-  RingEdge id;
-  bool bad;
-};
-
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-bool near(const Eigen::Vector2d& p, const Segment& s) {
+bool near(const Eigen::Vector2d& p, const RingSegment& s) {
   const Eigen::Vector2d edge = s.b - s.a;
   const double length2 = edge.squaredNorm();
   const double along = length2 > 0.0 ? std::clamp((p - s.a).dot(edge) / length2, 0.0, 1.0) : 0.0;
   return (p - s.a - along * edge).squaredNorm() < kRingClearance * kRingClearance;
 }
 
-bool meets(const Segment& s, const Segment& t) {
+bool meets(const RingSegment& s, const RingSegment& t) {
   const Eigen::Vector2d u = s.b - s.a, v = t.b - t.a;
   const double t_a = cross(u, t.a - s.a), t_b = cross(u, t.b - s.a);
   const double s_a = cross(v, s.a - t.a), s_b = cross(v, s.b - t.a);
@@ -31,38 +24,35 @@ bool meets(const Segment& s, const Segment& t) {
   return near(s.a, t) || near(s.b, t) || near(t.a, s) || near(t.b, s);
 }
 
-std::vector<Segment> segmentsOf(const std::vector<std::vector<Eigen::Vector2d>>& rings) {
-  std::vector<Segment> segments;
-  std::size_t count = 0;
-  for (const auto& ring : rings) count += ring.size();
-  segments.reserve(count);
-  for (std::size_t r = 0; r < rings.size(); ++r) {
+void listSegments(const std::vector<Eigen::Vector2d>* rings, std::size_t count, std::vector<RingSegment>& segments) {
+  segments.clear();
+  for (std::size_t r = 0; r < count; ++r) {
     const auto& ring = rings[r];
     for (std::size_t i = 0; i < ring.size(); ++i) {
-      const Eigen::Vector2d &a = ring[i], &b = ring[(i + 1) % ring.size()];
+      const Eigen::Vector2d &a = ring[i], &b = ring[i + 1 == ring.size() ? 0 : i + 1];
       const auto [min_x, max_x] = std::minmax(a.x(), b.x());
       const auto [min_y, max_y] = std::minmax(a.y(), b.y());
       const bool bad = ring.size() < 3 || (b - a).squaredNorm() < kRingClearance * kRingClearance;
       segments.push_back({a, b, min_x, max_x, min_y, max_y, {r, i}, bad});
     }
   }
-  return segments;
 }
 
 // Calls f for every two segments that meet and should not.
 template <typename F>
-void forEachMeeting(const std::vector<std::vector<Eigen::Vector2d>>& rings, std::vector<Segment>& segments, F&& f) {
-  std::vector<std::size_t> order(segments.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
-    return segments[i].min_x != segments[j].min_x ? segments[i].min_x < segments[j].min_x : i < j;
-  });
-  std::vector<std::size_t> active;
-  for (const std::size_t current : order) {
-    Segment& s = segments[current];
+void forEachMeeting(const std::vector<Eigen::Vector2d>* rings, CrossingMemory& memory, F&& f) {
+  std::vector<RingSegment>& segments = memory.segments;
+  std::vector<std::pair<double, std::size_t>>& order = memory.order;
+  order.clear();
+  for (std::size_t i = 0; i < segments.size(); ++i) order.emplace_back(segments[i].min_x, i);
+  std::sort(order.begin(), order.end());
+  std::vector<std::size_t>& active = memory.active;
+  active.clear();
+  for (const auto& [min_x, current] : order) {
+    RingSegment& s = segments[current];
     std::size_t kept = 0;
     for (const std::size_t other : active) {
-      Segment& t = segments[other];
+      RingSegment& t = segments[other];
       if (t.max_x < s.min_x - kRingClearance) continue;  // behind the sweep line
       active[kept++] = other;
       if (t.min_y > s.max_y + kRingClearance || t.max_y < s.min_y - kRingClearance) continue;
@@ -72,8 +62,8 @@ void forEachMeeting(const std::vector<std::vector<Eigen::Vector2d>>& rings, std:
       const bool precedes = same && (t.id.edge + 1) % n == s.id.edge;
       bool bad = false;
       if (follows || precedes) {
-        const Segment& first = follows ? s : t;
-        const Segment& second = follows ? t : s;
+        const RingSegment& first = follows ? s : t;
+        const RingSegment& second = follows ? t : s;
         bad = near(first.a, second) || near(second.b, first);
       } else {
         bad = meets(s, t);
@@ -88,21 +78,27 @@ void forEachMeeting(const std::vector<std::vector<Eigen::Vector2d>>& rings, std:
 }  // namespace
 
 std::vector<RingEdge> findCrossings(const std::vector<std::vector<Eigen::Vector2d>>& rings) {
-  std::vector<Segment> segments = segmentsOf(rings);
-  forEachMeeting(rings, segments, [](Segment& s, Segment& t) { s.bad = t.bad = true; });
-  std::vector<RingEdge> found;
-  for (const Segment& s : segments) {
-    if (s.bad) found.push_back(s.id);
-  }
-  return found;
+  CrossingMemory memory;
+  return findCrossings(rings.data(), rings.size(), memory);
 }
 
-std::vector<EdgePair> findMeetingEdges(const std::vector<Eigen::Vector2d>& ring) {
-  const std::vector<std::vector<Eigen::Vector2d>> rings{ring};
-  std::vector<Segment> segments = segmentsOf(rings);
-  std::vector<EdgePair> pairs;
-  forEachMeeting(rings, segments,
-                 [&](const Segment& s, const Segment& t) { pairs.emplace_back(std::minmax(s.id.edge, t.id.edge)); });
+const std::vector<RingEdge>& findCrossings(const std::vector<Eigen::Vector2d>* rings, std::size_t count,
+                                           CrossingMemory& memory) {
+  listSegments(rings, count, memory.segments);
+  forEachMeeting(rings, memory, [](RingSegment& s, RingSegment& t) { s.bad = t.bad = true; });
+  memory.found.clear();
+  for (const RingSegment& s : memory.segments) {
+    if (s.bad) memory.found.push_back(s.id);
+  }
+  return memory.found;
+}
+
+const std::vector<EdgePair>& findMeetingEdges(const std::vector<Eigen::Vector2d>& ring, CrossingMemory& memory) {
+  listSegments(&ring, 1, memory.segments);
+  std::vector<EdgePair>& pairs = memory.pairs;
+  pairs.clear();
+  forEachMeeting(&ring, memory,
+                 [&](const RingSegment& s, const RingSegment& t) { pairs.emplace_back(std::minmax(s.id.edge, t.id.edge)); });
   std::sort(pairs.begin(), pairs.end());
   return pairs;
 }

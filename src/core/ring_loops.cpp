@@ -13,13 +13,8 @@ namespace {
 // Each takes at least one corner away; a ring that is not free of loops by then is no outline.
 constexpr int kPasses = 64;
 
-// Corners begin, ..., begin + count - 1 of a ring (indices wrap round).
-struct Loop {
-  std::size_t begin, count;
-};
-
-double areaOf(const std::vector<OutlinePoint>& ring, const Loop& loop) {
-  std::vector<OutlinePoint> corners;
+double areaOf(const std::vector<OutlinePoint>& ring, const RingLoop& loop, std::vector<OutlinePoint>& corners) {
+  corners.clear();
   for (std::size_t i = 0; i < loop.count; ++i) corners.push_back(ring[(loop.begin + i) % ring.size()]);
   return std::abs(signedArea(corners.data(), corners.size()));
 }
@@ -38,39 +33,46 @@ void dropRepeats(std::vector<OutlinePoint>& ring) {
   ring.resize(kept);
 }
 
-bool cutLoops(std::vector<OutlinePoint>& ring, double max_area) {
+bool cutLoops(std::vector<OutlinePoint>& ring, double max_area, LoopMemory& memory) {
+  std::vector<Eigen::Vector2d>& positions = memory.positions;
+  std::vector<RingLoop>& loops = memory.loops;
+  std::vector<char>&touched = memory.touched, &gone = memory.gone;
+  std::vector<OutlinePoint>& kept = memory.kept;
   bool cut = false;
   for (int pass = 0; pass < kPasses && ring.size() > 3; ++pass) {
     const std::size_t n = ring.size();
-    std::vector<Eigen::Vector2d> positions;
-    positions.reserve(n);
+    positions.clear();
     for (const OutlinePoint& p : ring) positions.push_back(p.point);
     // Where edges i and j meet, the ring consists of two loops: the corners after i up to j, and the others. The shorter one
     // goes; shortest first, and never two that share corners.
-    std::vector<Loop> loops;
-    for (const auto& [i, j] : findMeetingEdges(positions)) {
+    loops.clear();
+    for (const auto& [i, j] : findMeetingEdges(positions, memory.crossings)) {
       const std::size_t between = j - i;
-      loops.push_back(2 * between <= n ? Loop{i + 1, between} : Loop{(j + 1) % n, n - between});
+      const bool shorter = 2 * between <= n;
+      loops.push_back({shorter ? i + 1 : (j + 1) % n, shorter ? between : n - between, loops.size()});
     }
-    std::stable_sort(loops.begin(), loops.end(), [](const Loop& a, const Loop& b) { return a.count < b.count; });
-    std::vector<char> touched(n, 0), gone(n, 0);
+    std::sort(loops.begin(), loops.end(), [](const RingLoop& a, const RingLoop& b) {
+      return a.count != b.count ? a.count < b.count : a.place < b.place;
+    });
+    touched.assign(n, 0);
+    gone.assign(n, 0);
     bool changed = false;
-    for (const Loop& loop : loops) {
+    for (const RingLoop& loop : loops) {
       bool free = true;
       for (std::size_t i = 0; free && i < loop.count; ++i) free = touched[(loop.begin + i) % n] == 0;
-      if (!free || n - loop.count < 3 || areaOf(ring, loop) > max_area) continue;
+      if (!free || n - loop.count < 3 || areaOf(ring, loop, memory.corners) > max_area) continue;
       for (std::size_t i = 0; i < loop.count; ++i) gone[(loop.begin + i) % n] = touched[(loop.begin + i) % n] = 1;
       touched[(loop.begin + n - 1) % n] = touched[(loop.begin + loop.count) % n] = 1;  // the ends of the new edge stay
       changed = true;
     }
     if (!changed) break;
-    std::vector<OutlinePoint> kept;
+    kept.clear();
     for (std::size_t i = 0; i < n; ++i) {
       if (gone[i] == 0) kept.push_back(ring[i]);
     }
     dropRepeats(kept);
     if (kept.size() < 3) break;
-    ring = std::move(kept);
+    ring.swap(kept);
     cut = true;
   }
   return cut;

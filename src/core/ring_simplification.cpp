@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/ring_simplification.h"
 
-#include "line_sums.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -31,37 +29,42 @@ double signedArea(const std::vector<Eigen::Vector2d>& ring) {
   return ringArea(ring.size(), [&](std::size_t i) -> const Eigen::Vector2d& { return ring[i]; });
 }
 
-SimplifiedRing::SimplifiedRing(const OutlinePoint* points, std::size_t size, const OutlineTolerance& tolerance)
-    : points_(points), n_(size), excess_(points, size, tolerance) {
-  if (tolerance.none()) {
-    vertices_.resize(n_);
-    for (std::size_t i = 0; i < n_; ++i) vertices_[i] = {i, points_[i].point, false};
-    return;
-  }
-  chooseCorners();
-  const LineSums sums(points_, n_);
-  mergeStraightEdges(sums);
-  moveOntoLines(sums);
-  keepTolerance();
+void SimplifiedRing::setPoints(const OutlinePoint* points, std::size_t size) {
+  points_ = points;
+  n_ = size;
+  excess_.setPoints(points, size);
 }
 
-std::vector<Eigen::Vector2d> SimplifiedRing::positions() const {
-  std::vector<Eigen::Vector2d> ring(size());
-  for (std::size_t i = 0; i < ring.size(); ++i) ring[i] = vertices_[i].position;
-  return ring;
+void SimplifiedRing::simplify(const OutlineTolerance& tolerance, SimplificationMemory& memory) {
+  excess_.setTolerance(tolerance);
+  vertices_.clear();
+  if (tolerance.none()) {
+    for (std::size_t i = 0; i < n_; ++i) vertices_.push_back({i, points_[i].point, false});
+    return;
+  }
+  chooseCorners(memory);
+  memory.sums.setPoints(points_, n_);
+  mergeStraightEdges(memory.sums);
+  moveOntoLines(memory);
+  keepTolerance(memory);
+}
+
+void SimplifiedRing::positions(std::vector<Eigen::Vector2d>& out) const {
+  out.clear();
+  for (const RingVertex& vertex : vertices_) out.push_back(vertex.position);
 }
 
 double SimplifiedRing::area() const {
   return ringArea(size(), [&](std::size_t i) -> const Eigen::Vector2d& { return vertices_[i].position; });
 }
 
-std::pair<std::size_t, double> SimplifiedRing::farthest(std::size_t edge) const {
-  const Vertex& a = vertices_[edge];
-  const Vertex& b = vertices_[next(edge)];
-  return excess_.farthest(a.corner, b.corner > a.corner ? b.corner : b.corner + n_, a.position, b.position);
+std::pair<std::size_t, double> SimplifiedRing::farthest(std::size_t edge, double least) const {
+  const RingVertex& a = vertices_[edge];
+  const RingVertex& b = vertices_[next(edge)];
+  return excess_.farthest(a.corner, b.corner > a.corner ? b.corner : b.corner + n_, a.position, b.position, least);
 }
 
-void SimplifiedRing::chooseCorners() {
+void SimplifiedRing::chooseCorners(SimplificationMemory& memory) {
   // A corner that is surely one of the outline's: the farthest from the middle; and the one farthest from it.
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   for (std::size_t i = 0; i < n_; ++i) middle += points_[i].point;
@@ -76,22 +79,24 @@ void SimplifiedRing::chooseCorners() {
   };
   const std::size_t start = farthestFrom(middle);
   const std::size_t opposite = farthestFrom(points_[start].point);
-  std::vector<bool> chosen(n_, false);
-  chosen[start] = chosen[opposite] = true;
+  std::vector<char>& chosen = memory.chosen;
+  chosen.assign(n_, 0);
+  chosen[start] = chosen[opposite] = 1;
   const auto [low, high] = std::minmax(start, opposite);
-  std::vector<std::pair<std::size_t, std::size_t>> open{{low, high}, {high, low + n_}};
+  std::vector<std::pair<std::size_t, std::size_t>>& open = memory.open;
+  open.assign({{low, high}, {high, low + n_}});
   while (!open.empty()) {
     const auto [first, last] = open.back();
     open.pop_back();
     if (last - first < 2) continue;
-    const auto [k, worst] = excess_.farthest(first, last, points_[first % n_].point, points_[last % n_].point);
+    const auto [k, worst] = excess_.farthest(first, last, points_[first % n_].point, points_[last % n_].point, 1.0);
     if (!(worst > 1.0)) continue;
-    chosen[k % n_] = true;
+    chosen[k % n_] = 1;
     open.emplace_back(first, k);
     open.emplace_back(k, last);
   }
   for (std::size_t i = 0; i < n_; ++i) {
-    if (chosen[i]) vertices_.push_back({i, points_[i].point, false});
+    if (chosen[i] != 0) vertices_.push_back({i, points_[i].point, false});
   }
 }
 
@@ -105,7 +110,7 @@ void SimplifiedRing::mergeStraightEdges(const LineSums& sums) {
     const Line line = sums.fit(first, last);
     const Eigen::Vector2d from = foot(line, points_[first].point), to = foot(line, points_[last].point);
     const bool straight = excess_.at(first, from, to) <= kClose && excess_.at(last, from, to) <= kClose &&
-                          excess_.farthest(first, last > first ? last : last + n_, from, to).second <= kClose;
+                          excess_.farthest(first, last > first ? last : last + n_, from, to, kClose).second <= kClose;
     if (straight) {
       vertices_.erase(vertices_.begin() + static_cast<std::ptrdiff_t>(i));
     } else {
@@ -114,18 +119,19 @@ void SimplifiedRing::mergeStraightEdges(const LineSums& sums) {
   }
 }
 
-void SimplifiedRing::putBack(Vertex& vertex) const {
+void SimplifiedRing::putBack(RingVertex& vertex) const {
   vertex.position = points_[vertex.corner].point;
   vertex.moved = false;
 }
 
-void SimplifiedRing::moveOntoLines(const LineSums& sums) {
+void SimplifiedRing::moveOntoLines(SimplificationMemory& memory) {
   const std::size_t m = vertices_.size();
   if (m < 3) return;
-  std::vector<Line> lines(m);
-  for (std::size_t i = 0; i < m; ++i) lines[i] = sums.fit(vertices_[i].corner, vertices_[next(i)].corner);
+  std::vector<Line>& lines = memory.lines;
+  lines.resize(m);
+  for (std::size_t i = 0; i < m; ++i) lines[i] = memory.sums.fit(vertices_[i].corner, vertices_[next(i)].corner);
   for (std::size_t i = 0; i < m; ++i) {
-    Vertex& v = vertices_[i];
+    RingVertex& v = vertices_[i];
     const Eigen::Vector2d target = meet(lines[i == 0 ? m - 1 : i - 1], lines[i], v.position);
     if (!(excess_.at(v.corner, target, target) <= 1.0)) continue;
     v.position = target;
@@ -134,34 +140,36 @@ void SimplifiedRing::moveOntoLines(const LineSums& sums) {
 }
 
 // Merging and moving may have taken edges too far from the corners in between.
-void SimplifiedRing::keepTolerance() {
-  std::vector<std::size_t> far;
+void SimplifiedRing::keepTolerance(SimplificationMemory& memory) {
+  std::vector<std::size_t>& far = memory.far;
   do {
     far.clear();
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
-      if (farthest(i).second > 1.0) far.push_back(i);
+      if (farthest(i, 1.0).second > 1.0) far.push_back(i);
     }
-  } while (!far.empty() && refine(far));
+  } while (!far.empty() && refine(far, memory));
 }
 
-bool SimplifiedRing::refine(const std::vector<std::size_t>& edges) {
+bool SimplifiedRing::refine(const std::vector<std::size_t>& edges, SimplificationMemory& memory) {
   bool closer = false;
-  std::vector<Vertex> added;
+  std::vector<RingVertex>& added = memory.added;
+  added.clear();
   for (const std::size_t edge : edges) {
-    Vertex& a = vertices_[edge];
-    Vertex& b = vertices_[next(edge)];
+    RingVertex& a = vertices_[edge];
+    RingVertex& b = vertices_[next(edge)];
     if (a.moved || b.moved) {
       putBack(a);
       putBack(b);
       closer = true;
       continue;
     }
-    const std::size_t k = farthest(edge).first;
+    const std::size_t k = farthest(edge, -1.0).first;
     if (k != a.corner) added.push_back({k % n_, points_[k % n_].point, false});  // else: two neighbouring corners
   }
   if (added.empty()) return closer;
   vertices_.insert(vertices_.end(), added.begin(), added.end());
-  std::sort(vertices_.begin(), vertices_.end(), [](const Vertex& a, const Vertex& b) { return a.corner < b.corner; });
+  std::sort(vertices_.begin(), vertices_.end(),
+            [](const RingVertex& a, const RingVertex& b) { return a.corner < b.corner; });
   return true;
 }
 

@@ -169,19 +169,25 @@ Segmentation segment(const BeamGrid& grid, const Config& config) {
 Segmentation segment(const BeamGrid& grid, const Config& config, ClusteringMemory& memory) {
   std::vector<StageTime> stages;
   LabelImage labels = clusterPatches(grid, config, memory, &stages);
-  return finishSegmentation(grid, std::move(labels), config, std::move(stages));
+  return finishSegmentation(grid, std::move(labels), config, std::move(stages), memory.finishing);
 }
 
 Segmentation finishSegmentation(const BeamGrid& grid, LabelImage labels, const Config& config,
                                 std::vector<StageTime> stages) {
+  FinishingMemory memory;
+  return finishSegmentation(grid, std::move(labels), config, std::move(stages), memory);
+}
+
+Segmentation finishSegmentation(const BeamGrid& grid, LabelImage labels, const Config& config, std::vector<StageTime> stages,
+                                FinishingMemory& memory) {
   Segmentation result;
   result.stages = std::move(stages);
   StageTimer timer(&result.stages);
-  std::vector<LabelRun> runs;
+  std::vector<LabelRun>& runs = memory.runs;
   renumberBySize(grid, smallestRegion(config, grid.size()), labels, &runs);
   result.regions = describeRegions(grid, runs, config.threads);
   timer.lap("statistics");
-  result.polygons = extractPolygons(grid, labels, result.regions, config.polygons, config.threads);
+  result.polygons = extractPolygons(grid, labels, runs, result.regions, config.polygons, memory.polygons, config.threads);
   timer.lap("polygons");
   for (int i = 0; i < grid.size(); ++i) result.valid_points += grid.valid(i) ? 1 : 0;
   for (const PlanarRegion& region : result.regions) {

@@ -9,6 +9,8 @@
 namespace ppc {
 namespace {
 
+LoopMemory memory;  // one ring after the other uses it
+
 std::vector<OutlinePoint> ringOf(const std::vector<Eigen::Vector2d>& points) {
   std::vector<OutlinePoint> ring(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) ring[i].point = points[i];
@@ -23,13 +25,13 @@ std::vector<Eigen::Vector2d> pointsOf(const std::vector<OutlinePoint>& ring) {
 
 TEST(RingLoops, SimpleRingStays) {
   auto ring = ringOf({{0, 0}, {1, 0}, {1, 1}, {0, 1}});
-  EXPECT_FALSE(cutLoops(ring, 1.0));
+  EXPECT_FALSE(cutLoops(ring, 1.0, memory));
   EXPECT_EQ(ring.size(), 4U);
 }
 
 TEST(RingLoops, SpikeWithoutAreaGoes) {
   auto ring = ringOf({{0, 0}, {1, 0}, {1, 0.5}, {3, 0.5}, {1, 0.5 + 4e-6}, {1, 1}, {0, 1}});
-  ASSERT_TRUE(cutLoops(ring, 1e-4));
+  ASSERT_TRUE(cutLoops(ring, 1e-4, memory));
   EXPECT_TRUE(findCrossings({pointsOf(ring)}).empty());
   EXPECT_NEAR(signedArea(ring.data(), ring.size()), 1.0, 1e-4);
 }
@@ -38,16 +40,16 @@ TEST(RingLoops, SmallLoopGoesAndLargeOneStays) {
   // The upper right corner is passed in a loop of 0.1 m, turning the other way.
   const std::vector<Eigen::Vector2d> points{{0, 0}, {1, 0}, {1, 0.9}, {1, 1.1}, {1.1, 1.1}, {1.1, 1.0}, {0.9, 1}, {0, 1}};
   auto ring = ringOf(points);
-  EXPECT_FALSE(cutLoops(ring, 1e-3));
+  EXPECT_FALSE(cutLoops(ring, 1e-3, memory));
   EXPECT_EQ(pointsOf(ring), points);
-  ASSERT_TRUE(cutLoops(ring, 0.05));
+  ASSERT_TRUE(cutLoops(ring, 0.05, memory));
   EXPECT_TRUE(findCrossings({pointsOf(ring)}).empty());
   EXPECT_NEAR(signedArea(ring.data(), ring.size()), 1.0, 0.02);
 }
 
 TEST(RingLoops, LoopAcrossTheRingsStartGoes) {
   auto ring = ringOf({{1.1, 1.1}, {1.1, 1.0}, {0.9, 1}, {0, 1}, {0, 0}, {1, 0}, {1, 0.9}, {1, 1.1}});
-  ASSERT_TRUE(cutLoops(ring, 0.05));
+  ASSERT_TRUE(cutLoops(ring, 0.05, memory));
   EXPECT_TRUE(findCrossings({pointsOf(ring)}).empty());
   EXPECT_NEAR(signedArea(ring.data(), ring.size()), 1.0, 0.02);
 }

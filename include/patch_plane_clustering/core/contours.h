@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/segmentation.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -35,11 +37,23 @@ struct PixelContours {
   int components = 0;
 };
 
+/// @brief Working memory of traceContours(), which one image after the other may use.
+struct ContourMemory {
+  std::vector<LabelRun> runs;
+  std::vector<int> left;         ///< component whose outline runs along the left side of a pixel
+  std::vector<char> right_seen;  ///< whether an outline along the right side of a pixel has been followed
+};
+
 /// @brief Follows the pixel sides between labels ("crack following") for all labels above 0 in one pass.
 ///
 /// Regions are 4-connected and their holes 8-connected: rings therefore touch neither themselves nor each other, except at
 /// corners with a pull. The labelled pixels lie on the right of the direction of travel: clockwise for outer rings when rows
 /// run downwards, counter-clockwise for holes. Time: O(pixels + corners).
+/// @param runs of the labels. @param out overwritten; its memory is used again.
+void traceContours(const LabelImage& labels, const std::vector<LabelRun>& runs, ContourMemory& memory, PixelContours& out);
+
+/// @brief The same where the runs are not known.
+void traceContours(const LabelImage& labels, ContourMemory& memory, PixelContours& out);
 PixelContours traceContours(const LabelImage& labels);
 
 }  // namespace ppc

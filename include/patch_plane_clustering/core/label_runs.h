@@ -49,10 +49,14 @@ struct LabelRun {
   int begin, end;
 };
 
-/// The stretches of forEachRun(): for what looks at them more than once.
+/// Lists the stretches of forEachRun(): for what looks at them more than once. @param runs overwritten.
+inline void listRuns(const LabelImage& labels, std::vector<LabelRun>& runs) {
+  runs.clear();
+  forEachRun(labels, [&](std::int32_t label, int begin, int end) { runs.push_back({label, begin, end}); });
+}
 inline std::vector<LabelRun> labelRuns(const LabelImage& labels) {
   std::vector<LabelRun> runs;
-  forEachRun(labels, [&](std::int32_t label, int begin, int end) { runs.push_back({label, begin, end}); });
+  listRuns(labels, runs);
   return runs;
 }
 

@@ -4,8 +4,9 @@
 #include "patch_plane_clustering/core/corner_projection.h"
 
 #include <Eigen/Core>
-#include <memory>
+#include <cstddef>
 #include <utility>
+#include <vector>
 
 namespace ppc {
 
@@ -26,23 +27,35 @@ struct OutlineTolerance {
 /// at a time.
 class OutlineExcess {
  public:
-  OutlineExcess(const OutlinePoint* points, std::size_t size, const OutlineTolerance& tolerance);
+  OutlineExcess() = default;
+  OutlineExcess(const OutlinePoint* points, std::size_t size, const OutlineTolerance& tolerance) {
+    setPoints(points, size);
+    setTolerance(tolerance);
+  }
+  /// Copies the corners. Memory is used again.
+  void setPoints(const OutlinePoint* points, std::size_t size);
+  void setTolerance(const OutlineTolerance& tolerance) {
+    metres2_ = tolerance.metres * tolerance.metres;
+    pixels_ = tolerance.pixels;
+  }
 
   double at(std::size_t corner, const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
 
   /// @brief The corner of the largest excess strictly between `first` and `last`, and its excess; `first` and -1 if there is
   /// none. The first one of several.
   /// @param last may lie beyond the ring's end, and so may the corner that is returned: they count on from `size`.
+  /// @param least corners of no larger excess do not count, and need not be looked at closely.
   std::pair<std::size_t, double> farthest(std::size_t first, std::size_t last, const Eigen::Vector2d& from,
-                                          const Eigen::Vector2d& to) const;
+                                          const Eigen::Vector2d& to, double least = -1.0) const;
 
  private:
   struct Edge;
+  bool anyFarther(std::size_t begin, std::size_t count, const Edge& edge, double distance2) const;
   void fill(std::size_t begin, std::size_t count, const Edge& edge, double* excess) const;
 
-  std::size_t size_, stride_;
-  double metres2_, pixels_;
-  std::unique_ptr<double[]> columns_;  // x, y of the points, of their row steps and of their column steps
+  std::size_t size_ = 0, stride_ = 0;
+  double metres2_ = 0.0, pixels_ = 0.0;
+  std::vector<double> columns_;  // x, y of the points, of their row steps and of their column steps
 };
 
 }  // namespace ppc

@@ -2,11 +2,14 @@
 #pragma once
 
 #include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/segmentation.h"
 
 #include <vector>
 
 namespace ppc {
+
+struct PolygonMemory;  // see polygon_memory.h
 
 struct PolygonOptions {
   double simplification_tolerance = 0.02;  ///< largest distance between the outline and its simplification [m]; 0 = keep all
@@ -29,8 +32,14 @@ struct PolygonOptions {
 /// Deterministic, thread-safe.
 /// @param regions as made by describeRegions() from the same labels.
 /// @return polygons in ascending id, larger pieces first.
+/// @throws std::invalid_argument if the labels do not fit the grid.
 std::vector<PlanarPolygon> extractPolygons(const BeamGrid& grid, const LabelImage& labels,
                                            const std::vector<PlanarRegion>& regions, const PolygonOptions& options,
                                            int threads = 1);
+
+/// @brief The same with memory. @param runs of the labels.
+std::vector<PlanarPolygon> extractPolygons(const BeamGrid& grid, const LabelImage& labels, const std::vector<LabelRun>& runs,
+                                           const std::vector<PlanarRegion>& regions, const PolygonOptions& options,
+                                           PolygonMemory& memory, int threads = 1);
 
 }  // namespace ppc

@@ -11,13 +11,20 @@
 #include "patch_plane_clustering/core/noise_correlation.h"
 #include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/patch_grid.h"
+#include "patch_plane_clustering/core/polygon_memory.h"
 #include "patch_plane_clustering/core/region_merging.h"
 #include "patch_plane_clustering/core/segmentation.h"
 
 namespace ppc {
 
-/// @brief Working memory of clusterPatches(). Given to one image after the other, it spares them asking the system for
-/// megabytes each; it carries nothing else from one to the next.
+/// @brief Working memory of finishSegmentation(), which one image after the other may use.
+struct FinishingMemory {
+  std::vector<LabelRun> runs;
+  PolygonMemory polygons;
+};
+
+/// @brief Working memory of clusterPatches() and segment(). Given to one image after the other, it spares them asking the
+/// system for megabytes each; it carries nothing else from one to the next.
 struct ClusteringMemory {
   LineErrorMemory lines;
   BeamGrid corrected;  ///< the image without errors of whole lines
@@ -34,6 +41,7 @@ struct ClusteringMemory {
   CurvatureMemory curvature;
   std::vector<Eigen::Vector3d> piece_planes;  ///< of the pieces of labels
   HoleMemory holes;
+  FinishingMemory finishing;
 };
 
 /// @brief Patch-based Plane Clustering: labels of the planar regions of a grid of beams (PPC's own stages, up to the label
@@ -50,5 +58,7 @@ Segmentation segment(const BeamGrid& grid, const Config& config, ClusteringMemor
 /// @brief The steps that every method shares once it has labels: small regions dropped, ids by size, planes, polygons.
 Segmentation finishSegmentation(const BeamGrid& grid, LabelImage labels, const Config& config,
                                 std::vector<StageTime> stages);
+Segmentation finishSegmentation(const BeamGrid& grid, LabelImage labels, const Config& config, std::vector<StageTime> stages,
+                                FinishingMemory& memory);
 
 }  // namespace ppc

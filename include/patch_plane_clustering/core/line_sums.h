@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 namespace ppc {
@@ -18,8 +19,12 @@ struct Line {
 /// @brief Running sums over the midpoints of a ring's sides: least-squares lines through any stretch of it in constant time.
 class LineSums {
  public:
-  LineSums(const OutlinePoint* points, std::size_t n)
-      : points_(points), n_(n), sums_(n + 1, Eigen::Matrix<double, 5, 1>::Zero()) {
+  /// @param points must outlive what is asked of them. Memory is used again.
+  void setPoints(const OutlinePoint* points, std::size_t n) {
+    points_ = points;
+    n_ = n;
+    sums_.resize(n + 1);
+    sums_.front().setZero();
     for (std::size_t i = 0; i < n; ++i) {
       const Eigen::Vector2d m = 0.5 * (points[i].point + points[i + 1 == n ? 0 : i + 1].point);
       sums_[i + 1] = sums_[i];
@@ -46,8 +51,8 @@ class LineSums {
   }
 
  private:
-  const OutlinePoint* points_;
-  std::size_t n_;
+  const OutlinePoint* points_ = nullptr;
+  std::size_t n_ = 0;
   std::vector<Eigen::Matrix<double, 5, 1>> sums_;
 };
 
