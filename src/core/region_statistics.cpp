@@ -19,16 +19,33 @@ namespace {
 
 constexpr float kMinCosine = 0.02F;  // of incidence: the residual along a beam says nothing about a plane seen edge-on
 
-constexpr int kBlock = 64;      // pixels summed in single precision about a point of their own
+constexpr int kBlock = 64;  // pixels summed in single precision about a point of their own
+constexpr int kChunkBlocks = 64;
 constexpr int kBeamBlocks = 8;  // blocks whose sums along the beams are kept in single precision
 
-// Sums of the points of a label about its first point, so that they keep their digits far from the sensor.
+// Sums of the points of a label about one of them, so that they keep their digits far from the sensor.
 struct PointSums {
-  double ox = 0, oy = 0, oz = 0;
   double ux = 0, uy = 0, uz = 0;  // beams, one for each block
   double x = 0, y = 0, z = 0;
   double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
   int n = 0;
+
+  PointSums& operator+=(const PointSums& o) {
+    ux += o.ux;
+    uy += o.uy;
+    uz += o.uz;
+    x += o.x;
+    y += o.y;
+    z += o.z;
+    xx += o.xx;
+    xy += o.xy;
+    xz += o.xz;
+    yy += o.yy;
+    yz += o.yz;
+    zz += o.zz;
+    n += o.n;
+    return *this;
+  }
 };
 
 // Calls f(beams) for pixels [begin, end), four at a time.
@@ -41,7 +58,7 @@ void forEachBeams(const BeamGrid& grid, int begin, int end, const F& f) {
 
 // Adds the valid pixels [begin, end), at most kBlock of them. Four at a time in single precision about the block's own first
 // point, which is near enough for the digits to suffice.
-void addPoints(const BeamGrid& grid, int begin, int end, PointSums& s) {
+void addPoints(const BeamGrid& grid, int begin, int end, const Eigen::Vector3d& origin, PointSums& s) {
   while (begin < end && !grid.valid(begin)) ++begin;
   if (begin == end) return;
   const Eigen::Vector3f first = grid.point(begin);
@@ -55,14 +72,9 @@ void addPoints(const BeamGrid& grid, int begin, int end, PointSums& s) {
     q.add(px, py, pz);
     counted += beam.valid;
   });
-  if (s.n == 0) {
-    s.ox = first.x();
-    s.oy = first.y();
-    s.oz = first.z();
-  }
   // From the block's origin to the label's: p = q + (first - o).
   const double n = countLanes(counted);
-  const double dx = first.x() - s.ox, dy = first.y() - s.oy, dz = first.z() - s.oz;
+  const double dx = first.x() - origin.x(), dy = first.y() - origin.y(), dz = first.z() - origin.z();
   const double qx = sumLanes(q.x), qy = sumLanes(q.y), qz = sumLanes(q.z);
   s.ux += n * grid.dir_x[begin];
   s.uy += n * grid.dir_y[begin];
@@ -80,13 +92,13 @@ void addPoints(const BeamGrid& grid, int begin, int end, PointSums& s) {
 }
 
 // Total least squares: the start of the fit along the beams, and its substitute where that is ill-posed.
-PlanarRegion fitAcross(std::int32_t id, const PointSums& s) {
+PlanarRegion fitAcross(std::int32_t id, const Eigen::Vector3d& origin, const PointSums& s) {
   PlanarRegion region;
   region.id = id;
   region.points = s.n;
   const double n = s.n;
   const Eigen::Vector3d mean = Eigen::Vector3d(s.x, s.y, s.z) / n;
-  region.centroid = Eigen::Vector3d(s.ox, s.oy, s.oz) + mean;
+  region.centroid = origin + mean;
   Eigen::Matrix3d outer;
   outer << s.xx, s.xy, s.xz, s.xy, s.yy, s.yz, s.xz, s.yz, s.zz;
   const Eigen::Matrix3d scatter = outer - n * mean * mean.transpose();
@@ -113,12 +125,27 @@ PlanarRegion fitAcross(std::int32_t id, const PointSums& s) {
 // Normal equations of one Gauss-Newton step for residuals along the beams. The step is three numbers: turns of the normal
 // about the two tangents, and an offset at the centroid.
 struct BeamSums {
-  Eigen::Vector3d tangent1 = Eigen::Vector3d::Zero(), tangent2 = Eigen::Vector3d::Zero();
   double aa = 0, ab = 0, ac = 0, bb = 0, bc = 0, cc = 0;  // products of the rows of the Jacobian
   double ra = 0, rb = 0, rc = 0;                          // with the residuals
   double squares = 0.0;                                   // of the residuals along the beams
   double across = 0.0;                                    // squares of the distances from the plane, of all points
   int n = 0;
+
+  BeamSums& operator+=(const BeamSums& o) {
+    aa += o.aa;
+    ab += o.ab;
+    ac += o.ac;
+    bb += o.bb;
+    bc += o.bc;
+    cc += o.cc;
+    ra += o.ra;
+    rb += o.rb;
+    rc += o.rc;
+    squares += o.squares;
+    across += o.across;
+    n += o.n;
+    return *this;
+  }
 };
 
 // The same of some hundred pixels, in lanes.
@@ -154,14 +181,23 @@ struct VectorLanes {
   Lanes dot(Lanes ox, Lanes oy, Lanes oz) const { return x * ox + y * oy + z * oz; }
 };
 
-// What residuals along the beams are measured from.
+// What residuals along the beams are measured from: the plane across, with its tangents.
 struct BeamFrame {
-  VectorLanes normal, centroid, tangent1, tangent2;
+  Eigen::Vector3d tangent1, tangent2;
+  VectorLanes normal, centroid, lanes1, lanes2;
+
+  explicit BeamFrame(const PlanarRegion& region)
+      : tangent1(region.plane.normal.unitOrthogonal()),
+        tangent2(region.plane.normal.cross(tangent1)),
+        normal(region.plane.normal.cast<float>()),
+        centroid(region.centroid.cast<float>()),
+        lanes1(tangent1.cast<float>()),
+        lanes2(tangent2.cast<float>()) {}
 };
 
 // Sums the valid pixels of some blocks.
 BeamLaneSums sumBeams(const BeamGrid& grid, const Block* begin, const Block* end, const BeamFrame& frame) {
-  const VectorLanes n = frame.normal, center = frame.centroid, u1 = frame.tangent1, u2 = frame.tangent2;
+  const VectorLanes n = frame.normal, center = frame.centroid, u1 = frame.lanes1, u2 = frame.lanes2;
   BeamLaneSums s;
   const auto add = [&](const BeamLanes& beam) {
     const Lanes cosine = n.dot(beam.dir_x, beam.dir_y, beam.dir_z);
@@ -172,20 +208,20 @@ BeamLaneSums sumBeams(const BeamGrid& grid, const Block* begin, const Block* end
     const Lanes height = n.dot(ox, oy, oz);
     const Lanes distance = beam.valid ? height + beam.range * cosine : Lanes{};
     s.across += distance * distance;
-    const Lanes range = -height * inverse;
-    const Lanes residual = used ? beam.range - range : Lanes{};
-    const Lanes qx = ox + range * beam.dir_x, qy = oy + range * beam.dir_y, qz = oz + range * beam.dir_z;
+    const Lanes range = height * inverse;  // to the plane, less than 0
+    const Lanes residual = used ? beam.range + range : Lanes{};
+    const Lanes qx = ox - range * beam.dir_x, qy = oy - range * beam.dir_y, qz = oz - range * beam.dir_z;
     // n' = n + alpha t1 + beta t2, offset gamma at the centroid: d range = (gamma - alpha t1.q - beta t2.q) / (n.u)
-    const Lanes a = u1.dot(qx, qy, qz) * -inverse;
-    const Lanes b = u2.dot(qx, qy, qz) * -inverse;
+    const Lanes a = u1.dot(qx, qy, qz) * inverse;  // and b: with the other sign
+    const Lanes b = u2.dot(qx, qy, qz) * inverse;
     s.aa += a * a;
     s.ab += a * b;
-    s.ac += a * inverse;
+    s.ac -= a * inverse;
     s.bb += b * b;
-    s.bc += b * inverse;
+    s.bc -= b * inverse;
     s.cc += inverse * inverse;
-    s.ra += a * residual;
-    s.rb += b * residual;
+    s.ra -= a * residual;
+    s.rb -= b * residual;
     s.rc += inverse * residual;
     s.squares += residual * residual;
     s.n += used;
@@ -194,7 +230,7 @@ BeamLaneSums sumBeams(const BeamGrid& grid, const Block* begin, const Block* end
   return s;
 }
 
-void refineAlongBeams(const BeamSums& s, PlanarRegion& region) {
+void refineAlongBeams(const BeamFrame& frame, const BeamSums& s, PlanarRegion& region) {
   if (s.n < std::max(4, region.points / 2)) return;  // seen edge-on: the beams say little about the plane
   Eigen::Matrix3d normal_equations;
   normal_equations << s.aa, s.ab, s.ac, s.ab, s.bb, s.bc, s.ac, s.bc, s.cc;
@@ -202,38 +238,56 @@ void refineAlongBeams(const BeamSums& s, PlanarRegion& region) {
   const Eigen::LDLT<Eigen::Matrix3d> solver(normal_equations);
   if (solver.info() != Eigen::Success || !solver.isPositive() || solver.rcond() < 1e-12) return;
   const Eigen::Vector3d step = solver.solve(right);
-  const Eigen::Vector3d turned = region.plane.normal + step[0] * s.tangent1 + step[1] * s.tangent2;
+  const Eigen::Vector3d turned = region.plane.normal + step[0] * frame.tangent1 + step[1] * frame.tangent2;
   const Eigen::Vector3d normal = turned.normalized();
   const double offset = region.plane.normal.dot(region.centroid) + step[2];
   region.plane = {normal, offset + (normal - region.plane.normal).dot(region.centroid)};
   const double gain = right.dot(step);
   const double variance = std::max(0.0, s.squares - gain) / std::max(1, s.n - 3);
   Eigen::Matrix<double, 4, 3> jacobian = Eigen::Matrix<double, 4, 3>::Zero();
-  jacobian.block<3, 1>(0, 0) = s.tangent1;
-  jacobian.block<3, 1>(0, 1) = s.tangent2;
-  jacobian.row(3) << s.tangent1.dot(region.centroid), s.tangent2.dot(region.centroid), 1.0;
+  jacobian.block<3, 1>(0, 0) = frame.tangent1;
+  jacobian.block<3, 1>(0, 1) = frame.tangent2;
+  jacobian.row(3) << frame.tangent1.dot(region.centroid), frame.tangent2.dot(region.centroid), 1.0;
   region.covariance = variance * jacobian * solver.solve(Eigen::Matrix3d::Identity()) * jacobian.transpose();
 }
 
-PlanarRegion describe(const BeamGrid& grid, std::int32_t id, const std::vector<Block>& blocks) {
-  PointSums sums;
-  for (const Block& block : blocks) addPoints(grid, block.begin, block.end, sums);
-  if (sums.n < 3) return PlanarRegion();
-  PlanarRegion region = fitAcross(id, sums);
-  // Noise runs along the beams: the likeliest plane minimises residuals in range, not across the plane.
-  BeamSums beams;
-  beams.tangent1 = region.plane.normal.unitOrthogonal();
-  beams.tangent2 = region.plane.normal.cross(beams.tangent1);
-  const BeamFrame frame{VectorLanes(region.plane.normal.cast<float>()), VectorLanes(region.centroid.cast<float>()),
-                        VectorLanes(beams.tangent1.cast<float>()), VectorLanes(beams.tangent2.cast<float>())};
-  for (std::size_t first = 0; first < blocks.size(); first += kBeamBlocks) {
-    const std::size_t last = std::min(first + kBeamBlocks, blocks.size());
-    sumBeams(grid, blocks.data() + first, blocks.data() + last, frame).addTo(beams);
+// Some blocks of one region: what a thread takes at a time, as one region may have most of the image.
+struct Chunk {
+  std::int32_t id;
+  const Block *begin, *end;
+};
+
+// Cuts the blocks of the regions into chunks.
+std::vector<Chunk> cutChunks(const std::vector<std::vector<Block>>& blocks) {
+  std::vector<Chunk> chunks;
+  for (std::size_t id = 0; id < blocks.size(); ++id) {
+    const Block* const end = blocks[id].data() + blocks[id].size();
+    for (const Block* at = blocks[id].data(); at != end;) {
+      const Block* const next = at + std::min<std::ptrdiff_t>(kChunkBlocks, end - at);
+      chunks.push_back({static_cast<std::int32_t>(id), at, next});
+      at = next;
+    }
   }
-  region.rms = std::sqrt(beams.across / region.points);
-  region.covariance *= beams.across / std::max(1, region.points - 3);
-  refineAlongBeams(beams, region);
-  return region;
+  return chunks;
+}
+
+// Sums over the chunks of every region, sum(chunk), added up in their order, however many threads there are.
+template <typename Sums, typename F>
+std::vector<Sums> sumChunks(const std::vector<Chunk>& chunks, std::size_t regions, int threads, F&& sum) {
+  std::vector<Sums> parts(chunks.size()), sums(regions);
+  forEachPart(threads, static_cast<int>(chunks.size()), [&](int k) { parts[k] = sum(chunks[k]); });
+  for (std::size_t k = 0; k < chunks.size(); ++k) sums[chunks[k].id] += parts[k];
+  return sums;
+}
+
+// The first point of a region; that of its first pixel if that is not valid.
+Eigen::Vector3d originOf(const BeamGrid& grid, const std::vector<Block>& blocks) {
+  for (const Block& block : blocks) {
+    for (int i = block.begin; i < block.end; ++i) {
+      if (grid.valid(i)) return grid.point(i).cast<double>();
+    }
+  }
+  return Eigen::Vector3d::Zero();
 }
 
 }  // namespace
@@ -250,8 +304,41 @@ std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const std::vecto
   for (const LabelRun& run : runs) {
     for (int at = run.begin; at < run.end; at += kBlock) blocks[run.label].push_back({at, std::min(at + kBlock, run.end)});
   }
+  const std::vector<Chunk> chunks = cutChunks(blocks);
+  std::vector<Eigen::Vector3d> origins;
+  origins.reserve(blocks.size());
+  for (const std::vector<Block>& of_region : blocks) origins.push_back(originOf(grid, of_region));
+  const auto sum_points = [&](const Chunk& chunk) {
+    PointSums sums;
+    for (const Block* at = chunk.begin; at != chunk.end; ++at) addPoints(grid, at->begin, at->end, origins[chunk.id], sums);
+    return sums;
+  };
+  const std::vector<PointSums> points = sumChunks<PointSums>(chunks, blocks.size(), threads, sum_points);
   std::vector<PlanarRegion> regions(blocks.size());
-  forEachPart(threads, static_cast<int>(blocks.size()), [&](int id) { regions[id] = describe(grid, id, blocks[id]); });
+  std::vector<BeamFrame> frames;
+  frames.reserve(blocks.size());
+  for (std::size_t id = 0; id < blocks.size(); ++id) {
+    if (points[id].n >= 3) regions[id] = fitAcross(static_cast<std::int32_t>(id), origins[id], points[id]);
+    frames.emplace_back(regions[id]);
+  }
+  // Noise runs along the beams: the likeliest plane minimises residuals in range, not across the plane.
+  const auto sum_beams = [&](const Chunk& chunk) {
+    BeamSums sums;
+    for (const Block* at = chunk.begin; at != chunk.end;) {
+      const Block* const next = at + std::min<std::ptrdiff_t>(kBeamBlocks, chunk.end - at);
+      sumBeams(grid, at, next, frames[chunk.id]).addTo(sums);
+      at = next;
+    }
+    return sums;
+  };
+  const std::vector<BeamSums> beams = sumChunks<BeamSums>(chunks, blocks.size(), threads, sum_beams);
+  for (std::size_t id = 0; id < blocks.size(); ++id) {
+    PlanarRegion& region = regions[id];
+    if (region.points < 3) continue;
+    region.rms = std::sqrt(beams[id].across / region.points);
+    region.covariance *= beams[id].across / std::max(1, region.points - 3);
+    refineAlongBeams(frames[id], beams[id], region);
+  }
   regions.erase(std::remove_if(regions.begin(), regions.end(), [](const PlanarRegion& r) { return r.points < 3; }),
                 regions.end());
   return regions;
