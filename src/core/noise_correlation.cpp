@@ -41,10 +41,11 @@ bool sumSquare(const PatchGrid& grid, int row, int col, int height, int side, Mo
 
 NoiseCorrelation measureCorrelation(const PatchGrid& grid, double inflation) {
   CorrelationMemory memory;
-  return measureCorrelation(grid, inflation, memory);
+  sampleCorrelation(grid, memory);
+  return correlationOf(memory, inflation);
 }
 
-NoiseCorrelation measureCorrelation(const PatchGrid& grid, double inflation, CorrelationMemory& memory) {
+void sampleCorrelation(const PatchGrid& grid, CorrelationMemory& memory) {
   std::vector<double>&excesses = memory.excesses, &variances = memory.variances, &points = memory.points;
   for (std::vector<double>* numbers : {&excesses, &variances, &points}) numbers->clear();
   const int count = static_cast<int>(grid.patches.size());
@@ -69,6 +70,10 @@ NoiseCorrelation measureCorrelation(const PatchGrid& grid, double inflation, Cor
       excesses.push_back(fitPlane(a + b).chi2 - fit_a.chi2 - fit_b.chi2);
     }
   }
+}
+
+NoiseCorrelation correlationOf(CorrelationMemory& memory, double inflation) {
+  std::vector<double>&excesses = memory.excesses, &variances = memory.variances, &points = memory.points;
   NoiseCorrelation found;
   found.points = points.empty() ? 1.0 : quantile(points, 0.5);
   if (excesses.size() < kMinPairs) return found;

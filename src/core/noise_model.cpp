@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/noise_model.h"
 
+#include "patch_plane_clustering/core/parallel.h"
 #include "patch_plane_clustering/core/quantile.h"
 
 #include <algorithm>
@@ -50,22 +51,26 @@ double quantileFactor(double dof) {
 }
 
 // Variances of the patches that have points enough, bin by bin.
-void sortVariances(const PatchGrid& patches, NoiseMemory& memory) {
+void sortVariances(const PatchGrid& patches, NoiseMemory& memory, int threads) {
   std::vector<int>&bin = memory.bin, &begin = memory.bin_begin;
   bin.resize(patches.patches.size());
+  memory.variance.resize(bin.size());
+  forEachRange(threads, static_cast<int>(bin.size()), [&](int first, int last) {
+    for (int p = first; p < last; ++p) {
+      const Patch& patch = patches.patches[p];
+      bin[p] = patch.moments.n < kMinPoints ? -1 : binOf(patch.range);
+      const double dof = patch.moments.n - 3;
+      if (bin[p] >= 0) memory.variance[p] = patch.fit.chi2 / dof / quantileFactor(dof);
+    }
+  });
   begin.assign(kBins + 1, 0);
-  for (std::size_t p = 0; p < bin.size(); ++p) {
-    const Patch& patch = patches.patches[p];
-    bin[p] = patch.moments.n < kMinPoints ? -1 : binOf(patch.range);
-    if (bin[p] >= 0) ++begin[bin[p] + 1];
+  for (const int b : bin) {
+    if (b >= 0) ++begin[b + 1];
   }
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   memory.variances.resize(static_cast<std::size_t>(begin.back()));
   for (std::size_t p = 0; p < bin.size(); ++p) {
-    if (bin[p] < 0) continue;
-    const Patch& patch = patches.patches[p];
-    const double dof = patch.moments.n - 3;
-    memory.variances[begin[bin[p]]++] = patch.fit.chi2 / dof / quantileFactor(dof);
+    if (bin[p] >= 0) memory.variances[begin[bin[p]]++] = memory.variance[p];
   }
   std::rotate(begin.begin(), begin.end() - 1, begin.end());  // each has moved on to the beginning of the next
   begin.front() = 0;
@@ -86,8 +91,8 @@ NoiseModel NoiseModel::estimate(const PatchGrid& patches, const SensorModel& sen
   return estimate(patches, sensor, memory);
 }
 
-NoiseModel NoiseModel::estimate(const PatchGrid& patches, const SensorModel& sensor, NoiseMemory& memory) {
-  sortVariances(patches, memory);
+NoiseModel NoiseModel::estimate(const PatchGrid& patches, const SensorModel& sensor, NoiseMemory& memory, int threads) {
+  sortVariances(patches, memory, threads);
   std::vector<double>&sigma = memory.sigma, &pool = memory.pool;
   sigma.resize(kBins);
   // Thin bins borrow from their neighbours, nearest first.

@@ -206,20 +206,19 @@ void sumPatches(const BeamGrid& grid, int begin, int end, const Choose& choose, 
   }
 }
 
-void linkNeighbours(PatchGrid& grid) {
-  grid.neighbour_begin.clear();
-  grid.neighbours.clear();
-  grid.neighbour_begin.reserve(grid.patches.size() + 1);
-  grid.neighbours.reserve(6 * grid.patches.size());
-  const auto link = [&grid](int block) {
-    if (grid.patch_of_block[block] >= 0) grid.neighbours.push_back(grid.patch_of_block[block]);
+// Lists the neighbours of patches [begin, end), and where each one's begin.
+void linkPatches(const PatchGrid& grid, int begin, int end, int* neighbour_begin, std::vector<int>& neighbours) {
+  neighbours.clear();
+  neighbours.reserve(6 * static_cast<std::size_t>(end - begin));
+  const auto link = [&](int block) {
+    if (grid.patch_of_block[block] >= 0) neighbours.push_back(grid.patch_of_block[block]);
   };
-  forEachBlock(grid, [&](int strip, int k) {
-    const int block = grid.strip_begin[strip] + k, height = grid.strip_rows[strip];
-    if (grid.patch_of_block[block] < 0) return;
-    grid.neighbour_begin.push_back(static_cast<int>(grid.neighbours.size()));
-    const Patch& patch = grid.patches[grid.patch_of_block[block]];
-    if (patch.moments.n == 0) return;  // nothing is ever asked from there
+  for (int p = begin; p < end; ++p) {
+    neighbour_begin[p] = static_cast<int>(neighbours.size());
+    const Patch& patch = grid.patches[p];
+    if (patch.moments.n == 0) continue;  // nothing is ever asked from there
+    const int strip = patch.col_begin / grid.strip_cols, height = grid.strip_rows[strip];
+    const int k = patch.row_begin / height, block = grid.strip_begin[strip] + k;
     if (k > 0) link(block - 1);
     if (block + 1 < grid.strip_begin[strip + 1]) link(block + 1);
     for (const int side : {strip - 1, strip + 1}) {
@@ -229,8 +228,24 @@ void linkNeighbours(PatchGrid& grid) {
       const int last = other == height ? k : (patch.row_end - 1) / other;
       for (int i = first; i <= last; ++i) link(grid.strip_begin[side] + i);
     }
+  }
+}
+
+void linkNeighbours(int threads, PatchGrid& grid) {
+  const int count = static_cast<int>(grid.patches.size()), parts = std::max(1, threads);
+  grid.neighbour_begin.resize(grid.patches.size() + 1);
+  std::vector<std::vector<int>> rest(static_cast<std::size_t>(parts - 1));  // the first part's go where all will be
+  forEachPart(threads, parts, [&](int part) {
+    linkPatches(grid, partBegin(count, parts, part), partBegin(count, parts, part + 1), grid.neighbour_begin.data(),
+                part == 0 ? grid.neighbours : rest[part - 1]);
   });
-  grid.neighbour_begin.push_back(static_cast<int>(grid.neighbours.size()));
+  for (int part = 1; part < parts; ++part) {
+    const auto offset = static_cast<int>(grid.neighbours.size());
+    const int end = partBegin(count, parts, part + 1);
+    for (int p = partBegin(count, parts, part); p < end; ++p) grid.neighbour_begin[p] += offset;
+    grid.neighbours.insert(grid.neighbours.end(), rest[part - 1].begin(), rest[part - 1].end());
+  }
+  grid.neighbour_begin.back() = static_cast<int>(grid.neighbours.size());
 }
 
 }  // namespace
@@ -254,7 +269,7 @@ void makePatchGrid(const BeamGrid& grid, int patch_size, const AngularSteps& ste
       sumPatches(grid, begin, end, open, out);
     }
   });
-  linkNeighbours(out);
+  linkNeighbours(threads, out);
 }
 
 PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, const LabelImage* done, int threads) {

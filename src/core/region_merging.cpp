@@ -134,8 +134,8 @@ struct MeetingRun {
 };
 
 // Runs of which at least one label is fresh, in ascending pairs. There are far fewer of them to sort than meetings.
-std::vector<MeetingRun> freshRuns(const std::vector<Meeting>& meetings, const std::vector<char>& fresh) {
-  std::vector<MeetingRun> runs;
+void listFreshRuns(const std::vector<Meeting>& meetings, const std::vector<char>& fresh, std::vector<MeetingRun>& runs) {
+  runs.clear();
   runs.reserve(meetings.size());
   const int count = static_cast<int>(meetings.size());
   for (int begin = 0, end = 0; begin < count; begin = end) {
@@ -143,8 +143,8 @@ std::vector<MeetingRun> freshRuns(const std::vector<Meeting>& meetings, const st
     const LabelPair pair = meetings[begin].pair();
     if ((fresh[pair.first] | fresh[pair.second]) != 0) runs.push_back({meetings[begin].key, begin, end});
   }
-  std::stable_sort(runs.begin(), runs.end(), [](const MeetingRun& a, const MeetingRun& b) { return a.key < b.key; });
-  return runs;
+  std::sort(runs.begin(), runs.end(),
+            [](const MeetingRun& a, const MeetingRun& b) { return a.key != b.key ? a.key < b.key : a.begin < b.begin; });
 }
 
 // Height of a step, and the points that it is known from: its variance is that of a point over them, and up to four times
@@ -238,11 +238,10 @@ class BorderSums {
 };
 
 std::vector<Moments> sumShares(const CellShares& cells) {
-  std::vector<Moments> sums(1);
-  for (const CellShares::Share& share : cells.shares) {
-    if (share.label >= static_cast<std::int32_t>(sums.size())) sums.resize(static_cast<std::size_t>(share.label) + 1);
-    sums[share.label] += share.moments;
-  }
+  std::int32_t highest = 0;
+  for (const CellShares::Share& share : cells.shares) highest = std::max(highest, share.label);
+  std::vector<Moments> sums(static_cast<std::size_t>(highest) + 1);
+  for (const CellShares::Share& share : cells.shares) sums[share.label] += share.moments;
   return sums;
 }
 
@@ -401,23 +400,29 @@ void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel
 }
 
 std::vector<Eigen::Vector3d> labelPlanes(const CellShares& cells) {
+  const std::vector<Moments> sums = sumShares(cells);
   std::vector<Eigen::Vector3d> planes;
-  for (const Moments& m : sumShares(cells)) planes.push_back(fitPlane(m).a);
+  planes.reserve(sums.size());
+  for (const Moments& m : sums) planes.push_back(fitPlane(m).a);
   return planes;
 }
 
 std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
                                       double threshold, CellShares& shares) {
+  const std::vector<Moments> sums = sumShares(shares);
   std::vector<Whole> whole;
-  for (const Moments& sum : sumShares(shares)) whole.push_back({sum, fitPlane(sum)});
+  whole.reserve(sums.size());
+  for (const Moments& sum : sums) whole.push_back({sum, fitPlane(sum)});
   std::vector<std::int32_t> names(whole.size());
   std::iota(names.begin(), names.end(), 0);
   std::vector<char> fresh(whole.size(), 1);  // pairs of labels that have not changed need no second look
   std::vector<Meeting> all = findMeetings(cells, shares, borderCells(cells, onlyLabels(shares)));
   BorderSums borders(cells, shares, names);
+  std::vector<std::pair<double, LabelPair>> candidates;
+  std::vector<MeetingRun> runs;
   while (true) {
-    std::vector<std::pair<double, LabelPair>> candidates;
-    const std::vector<MeetingRun> runs = freshRuns(all, fresh);
+    candidates.clear();
+    listFreshRuns(all, fresh, runs);
     for (std::size_t begin = 0, end = 0; begin < runs.size(); begin = end) {
       const LabelPair pair = all[runs[begin].begin].pair();
       while (end < runs.size() && runs[end].key == runs[begin].key) ++end;

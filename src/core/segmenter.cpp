@@ -10,6 +10,7 @@
 #include "patch_plane_clustering/core/line_errors.h"
 #include "patch_plane_clustering/core/noise_correlation.h"
 #include "patch_plane_clustering/core/noise_model.h"
+#include "patch_plane_clustering/core/parallel.h"
 #include "patch_plane_clustering/core/patch_grid.h"
 #include "patch_plane_clustering/core/refinement.h"
 #include "patch_plane_clustering/core/region_merging.h"
@@ -29,8 +30,14 @@ PatchComparison comparisonOf(const Config& config) { return {config.running_plan
 void estimateCorrelation(const Config& config, NoiseModel& noise, CoplanarityTolerance& tolerance,
                          ClusteringMemory& memory) {
   PatchGrid& patches = memory.patches;
-  tolerance.inflation = estimateInflation(patches, memory.excesses);
-  const NoiseCorrelation found = measureCorrelation(patches, tolerance.inflation, memory.correlation);
+  forEachPart(config.threads, 2, [&](int part) {
+    if (part == 0) {
+      tolerance.inflation = estimateInflation(patches, memory.excesses);
+    } else {
+      sampleCorrelation(patches, memory.correlation);
+    }
+  });
+  const NoiseCorrelation found = correlationOf(memory.correlation, tolerance.inflation);
   tolerance.inflation_growth = found.growth;
   tolerance.patch_points = found.points;
   if (config.noise_scale > 0.0 || found.variance == 1.0) return;
@@ -89,7 +96,7 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
   timer.lap("moments");
 
   NoiseModel noise = config.noise_scale > 0.0 ? NoiseModel(config.sensor, config.noise_scale)
-                                              : NoiseModel::estimate(patches, config.sensor, memory.noise);
+                                              : NoiseModel::estimate(patches, config.sensor, memory.noise, config.threads);
   CoplanarityTolerance tolerance{config.sigma_distance, config.sigma_angle, 1.0};
   weighPatches(noise, patches, config.threads);
   gatePatches(noise, tolerance, patches, config.threads);

@@ -24,6 +24,9 @@ struct CorrelationMemory {
 /// less than 100 such pairs of squares, or such squares. @param grid weighed and gated. @param inflation of its patches
 /// (estimateInflation).
 NoiseCorrelation measureCorrelation(const PatchGrid& grid, double inflation);
-NoiseCorrelation measureCorrelation(const PatchGrid& grid, double inflation, CorrelationMemory& memory);
+
+/// @brief The same in two steps, of which the first does not need the inflation.
+void sampleCorrelation(const PatchGrid& grid, CorrelationMemory& memory);
+NoiseCorrelation correlationOf(CorrelationMemory& memory, double inflation);
 
 }  // namespace ppc

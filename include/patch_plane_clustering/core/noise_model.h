@@ -13,6 +13,7 @@ namespace ppc {
 /// @brief Working memory of NoiseModel::estimate(), which one image after the other may use.
 struct NoiseMemory {
   std::vector<int> bin;           ///< of each patch, -1 if it is left out
+  std::vector<double> variance;   ///< of each patch
   std::vector<int> bin_begin;     ///< of each bin's part of `variances`, and one past the last
   std::vector<double> variances;  ///< of the patches, bin by bin
   std::vector<double> pool;       ///< those of a bin and of its neighbours
@@ -29,7 +30,7 @@ class NoiseModel {
   /// width, and a low quantile leaves the others out. Seen over several lines at once, the residuals contain noise that is
   /// correlated along a line, and errors that a whole line shares; differences along the line would be blind to both.
   static NoiseModel estimate(const PatchGrid& patches, const SensorModel& sensor);
-  static NoiseModel estimate(const PatchGrid& patches, const SensorModel& sensor, NoiseMemory& memory);
+  static NoiseModel estimate(const PatchGrid& patches, const SensorModel& sensor, NoiseMemory& memory, int threads = 1);
 
   /// One standard deviation [m] at a range [m].
   double sigma(double range) const {
