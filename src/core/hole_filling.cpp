@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/hole_filling.h"
 
-#include "patch_plane_clustering/core/label_runs.h"
+#include "patch_plane_clustering/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +12,17 @@ namespace {
 
 constexpr double kMaxMean = 4.0;     // mean distance of a speck, in standard deviations of such a mean
 constexpr double kMaxScatter = 6.0;  // mean square of its distances, in variances of noise and tolerance
+
+// Lists the runs of pixels [begin, end), and counts those of each label.
+void listPart(const std::vector<std::int32_t>& labels, int begin, int end, std::size_t count, HoleMemory::Part& part) {
+  part.runs.clear();
+  part.points.assign(count, 0);
+  for (int at = begin, run_end = 0; at < end; at = run_end) {
+    run_end = runEnd(labels.data(), at, end);
+    part.runs.push_back({labels[at], at, run_end});
+    part.points[labels[at]] += run_end - at;
+  }
+}
 
 class HoleFiller {
  public:
@@ -25,24 +36,36 @@ class HoleFiller {
         tolerance_(tolerance),
         smallest_(smallest),
         labels_(labels.labels),
+        parts_(memory.parts),
         loose_(memory.loose),
         seen_(memory.seen),
-        speck_(memory.speck) {
-    loose_.resize(planes.size());
-    seen_.assign(static_cast<std::size_t>(grid.size()), 0);
-    std::vector<int>& points = memory.points;
-    points.assign(planes.size(), 0);
-    forEachRun(labels, [&](std::int32_t label, int begin, int end) { points[label] += end - begin; });
-    for (std::size_t label = 0; label < loose_.size(); ++label)
-      loose_[label] = label == 0 || points[label] < smallest ? 1 : 0;
+        speck_(memory.speck) {}
+
+  void listRuns(int threads) {
+    const int parts = rangeCount(threads, grid_.size());
+    parts_.resize(static_cast<std::size_t>(parts));
+    seen_.resize(static_cast<std::size_t>(grid_.size()));
+    forEachPart(threads, parts, [&](int k) {
+      const int begin = partBegin(grid_.size(), parts, k), end = partBegin(grid_.size(), parts, k + 1);
+      listPart(labels_, begin, end, planes_.size(), parts_[k]);
+      std::fill(seen_.begin() + begin, seen_.begin() + end, 0);
+    });
+    loose_.resize(planes_.size());
+    for (std::size_t label = 0; label < loose_.size(); ++label) {
+      int points = 0;
+      for (const HoleMemory::Part& part : parts_) points += part.points[label];
+      loose_[label] = label == 0 || points < smallest_ ? 1 : 0;
+    }
   }
 
+  // Runs are those before anything was filled: what has been since was seen.
   void fillAll() {
-    for (int begin = 0, end = 0; begin < grid_.size(); begin = end) {
-      end = runEnd(labels_.data(), begin, grid_.size());
-      if (loose_[labels_[begin]] == 0) continue;
-      for (int i = begin; i < end; ++i) {
-        if (seen_[i] == 0 && grid_.valid(i)) fillFrom(i);
+    for (const HoleMemory::Part& part : parts_) {
+      for (const LabelRun& run : part.runs) {
+        if (loose_[run.label] == 0) continue;
+        for (int i = run.begin; i < run.end; ++i) {
+          if (seen_[i] == 0 && grid_.valid(i)) fillFrom(i);
+        }
       }
     }
   }
@@ -107,6 +130,7 @@ class HoleFiller {
   const CoplanarityTolerance& tolerance_;
   int smallest_;
   std::vector<std::int32_t>& labels_;
+  std::vector<HoleMemory::Part>& parts_;
   std::vector<char>& loose_;
   std::vector<char>& seen_;
   std::vector<int>& speck_;
@@ -116,8 +140,10 @@ class HoleFiller {
 
 void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
                const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, HoleMemory& memory,
-               LabelImage& labels) {
-  HoleFiller(grid, planes, center, noise, tolerance, smallest, memory, labels).fillAll();
+               LabelImage& labels, int threads) {
+  HoleFiller filler(grid, planes, center, noise, tolerance, smallest, memory, labels);
+  filler.listRuns(threads);
+  filler.fillAll();
 }
 
 void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,

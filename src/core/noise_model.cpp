@@ -79,7 +79,20 @@ void sortVariances(const PatchGrid& patches, NoiseMemory& memory, int threads) {
 }  // namespace
 
 NoiseModel::NoiseModel(const std::vector<double>& sigma_of_bin) : table_(kCells) {
-  for (int i = 0; i < kCells; ++i) table_[i] = sigma_of_bin[binOf((i + 0.5) / kCellsPerMetre)];
+  const auto binAt = [](int cell) { return binOf((cell + 0.5) / kCellsPerMetre); };
+  for (int begin = 0, end = 0; begin < kCells; begin = end) {
+    const int bin = binAt(begin);
+    int beyond = kCells;
+    for (end = begin + 1; end < beyond;) {  // bins are wide: their ends are found by halving
+      const int middle = end + (beyond - end) / 2;
+      if (binAt(middle) == bin) {
+        end = middle + 1;
+      } else {
+        beyond = middle;
+      }
+    }
+    std::fill(table_.begin() + begin, table_.begin() + end, sigma_of_bin[bin]);
+  }
 }
 
 NoiseModel::NoiseModel(const SensorModel& sensor, double scale) : table_(kCells) {

@@ -4,6 +4,7 @@
 #include "patch_plane_clustering/core/lanes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -51,24 +52,48 @@ void OutlineExcess::setPoints(const OutlinePoint* points, std::size_t size) {
     }
   }
   for (std::size_t column = 1; column <= 6; ++column) columns_[column * stride_ - 1] = 0.0;
+  const std::size_t rough_stride = stride_ + kLanes;
+  rough_.assign(2 * rough_stride, 0.0F);
+  origin_ = points[0].point;
+  reach_ = 0.0F;
+  for (std::size_t i = 0; i < size; ++i) {
+    const Eigen::Vector2f p = (points[i].point - origin_).cast<float>();
+    rough_[i] = p.x();
+    rough_[rough_stride + i] = p.y();
+    reach_ = std::max({reach_, std::abs(p.x()), std::abs(p.y())});
+  }
 }
 
-// Whether the square of a corner's distance may be larger than this.
-bool OutlineExcess::anyFarther(std::size_t begin, std::size_t count, const Edge& e, double distance2) const {
-  const double* const x_column = columns_.data() + begin;
-  const double* const y_column = x_column + stride_;
-  const Pair zero{}, one = both(1.0), from_x = both(e.x), from_y = both(e.y), dx = both(e.dx), dy = both(e.dy);
-  const Pair inverse = both(e.inverse_length2);
-  Pair most{};
-  for (std::size_t i = 0; i < count; i += kPair) {
-    const Pair x = load(x_column + i) - from_x, y = load(y_column + i) - from_y;
-    Pair along = (x * dx + y * dy) * inverse;
+// Distances from it are too small by less than `error`.
+struct OutlineExcess::RoughEdge {
+  float x, y, dx, dy, inverse_length2;
+  float error;
+};
+
+OutlineExcess::RoughEdge OutlineExcess::roughly(const Edge& e) const {
+  constexpr float kError = 16.0F * std::numeric_limits<float>::epsilon();  // generously, of the largest number
+  const auto x = static_cast<float>(e.x - origin_.x()), y = static_cast<float>(e.y - origin_.y());
+  const auto dx = static_cast<float>(e.dx), dy = static_cast<float>(e.dy);
+  const float largest = std::max({reach_, std::abs(x) + std::abs(dx), std::abs(y) + std::abs(dy)});
+  return {x, y, dx, dy, static_cast<float>(e.inverse_length2), kError * largest};
+}
+
+// Whether the square of a distance may be larger than this. The point of the edge that is nearest need not be found exactly:
+// any other is farther.
+bool OutlineExcess::anyFarther(std::size_t begin, std::size_t count, const RoughEdge& e, float distance2) const {
+  const float* const x_column = rough_.data() + begin;
+  const float* const y_column = x_column + stride_ + kLanes;
+  const Lanes zero{}, one = ::ppc::fill(1.0F);
+  LaneMask farther{};
+  for (std::size_t i = 0; i < count; i += kLanes) {
+    const Lanes x = loadLanes<Lanes>(x_column + i) - e.x, y = loadLanes<Lanes>(y_column + i) - e.y;
+    Lanes along = (x * e.dx + y * e.dy) * e.inverse_length2;
     along = along > zero ? along : zero;
     along = along < one ? along : one;
-    const Pair away_x = x - along * dx, away_y = y - along * dy;
-    most = larger(most, away_x * away_x + away_y * away_y);
+    const Lanes away_x = x - along * e.dx, away_y = y - along * e.dy;
+    farther |= away_x * away_x + away_y * away_y > ::ppc::fill(distance2);
   }
-  return most[0] > distance2 || most[1] > distance2;
+  return anyLane(farther);
 }
 
 // Writes whole pairs: one more than asked for if `count` is odd.
@@ -110,18 +135,23 @@ std::pair<std::size_t, double> OutlineExcess::farthest(std::size_t first, std::s
   const Edge edge{from.x(), from.y(), difference.x(), difference.y(), length2 > 0.0 ? 1.0 / length2 : 0.0};
   std::pair<std::size_t, double> worst{first, -1.0};
   // Footprints only ever lower the excess: a corner as near as this need not be looked at closely.
-  constexpr double kRounding = 1.0 - 1e-12;
-  double near2 = kRounding * metres2_ * least;
+  const RoughEdge rough = roughly(edge);
+  const auto nearOf = [&](double of_excess) {
+    constexpr double kRounding = 1.0 - 1e-6;
+    const double near = kRounding * std::sqrt(std::max(0.0, metres2_ * of_excess)) - rough.error;
+    return near > 0.0 ? static_cast<float>(kRounding * near * near) : -1.0F;
+  };
+  float near2 = nearOf(least);
   double excess[kBlock];
   for (std::size_t k = first + 1; k < last;) {
     const std::size_t begin = k < size_ ? k : k - size_;
     const std::size_t count = std::min({kBlock, last - k, size_ - begin});
-    if (anyFarther(begin, count, edge, near2)) {
+    if (anyFarther(begin, count, rough, near2)) {
       fill(begin, count, edge, excess);
       for (std::size_t i = 0; i < count; ++i) {
         if (!(excess[i] > std::max(worst.second, least))) continue;
         worst = {k + i, excess[i]};
-        near2 = kRounding * metres2_ * excess[i];
+        near2 = nearOf(excess[i]);
       }
     }
     k += count;

@@ -162,7 +162,7 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
     piece_planes.clear();
     for (const std::int32_t label : pieces.whole) piece_planes.push_back(planes[label]);
     fillHoles(grid, piece_planes, patches.center, noise, tolerance, smallestRegion(config, grid.size()), memory.holes,
-              labels);
+              labels, config.threads);
     timer.lap("holes");
   }
   return labels;

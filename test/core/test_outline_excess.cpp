@@ -68,6 +68,29 @@ TEST(OutlineExcess, FarthestAgreesWithReference) {
     const auto [corner, worst] = excess.farthest(first, last, from, to);
     EXPECT_EQ(corner, expected.first) << first << " to " << last;
     EXPECT_NEAR(worst, expected.second, 1e-9 * expected.second) << first << " to " << last;
+    // Corners that do not count change nothing for those that do.
+    const auto below = std::pair(first, -1.0);
+    for (const double share : {0.0, 0.3, 0.999999, 1.0, 2.0}) {
+      EXPECT_EQ(excess.farthest(first, last, from, to, share * worst), share < 1.0 ? std::pair(corner, worst) : below);
+    }
+  }
+}
+
+// Far from the plane's origin too, where single precision has few digits left.
+TEST(OutlineExcess, FindsCornersJustAboveTheLeastThatCounts) {
+  for (const double away : {0.0, 30.0, 1e4}) {
+    std::vector<OutlinePoint> points(40);
+    for (std::size_t i = 0; i < points.size(); ++i) points[i].point = {away + 0.1 * static_cast<double>(i), -away};
+    points[0].point.y() = points[39].point.y() = -away;
+    points[23].point.y() += 0.02 * (1.0 + 1e-8);
+    const OutlineExcess excess(points.data(), points.size(), {0.02, 1.0});
+    const auto [corner, worst] = excess.farthest(0, 39, points[0].point, points[39].point, 1.0);
+    EXPECT_EQ(corner, 23U) << away;
+    EXPECT_GT(worst, 1.0);
+    points[23].point.y() -= 0.02 * 2e-8;
+    EXPECT_EQ(
+        OutlineExcess(points.data(), points.size(), {0.02, 1.0}).farthest(0, 39, points[0].point, points[39].point, 1.0),
+        std::pair(std::size_t{0}, -1.0));
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/similarity.h"
@@ -12,7 +13,11 @@ namespace ppc {
 
 /// @brief Working memory of fillHoles(), which one image after the other may use.
 struct HoleMemory {
-  std::vector<int> points;  ///< of each label
+  struct Part {
+    std::vector<LabelRun> runs;  ///< of pixels, those without a label too
+    std::vector<int> points;     ///< of each label
+  };
+  std::vector<Part> parts;  ///< of the image
   std::vector<char> loose;  ///< labels, and none, that are not those of a region
   std::vector<char> seen;   ///< pixels
   std::vector<int> speck;
@@ -27,7 +32,7 @@ struct HoleMemory {
 /// region has at least.
 void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
                const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, HoleMemory& memory,
-               LabelImage& labels);
+               LabelImage& labels, int threads = 1);
 
 /// @brief The same without memory.
 void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
