@@ -93,7 +93,7 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
                   std::int32_t first_open, LabelImage& labels, std::vector<char>& changed, int threads) {
   changed.assign(cells.patches.size(), 0);
   const int count = static_cast<int>(cells.patches.size());
-  const std::vector<std::int32_t> only = onlyLabels(shares);
+  const std::vector<std::int32_t> only = onlyLabels(shares, threads);
 
   // The label of cells that have just one, whole; 0 of all others.
   std::vector<std::int32_t> whole(cells.patches.size());
@@ -133,23 +133,19 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
 std::vector<int> contestLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
                                const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
                                const CoplanarityTolerance& tolerance, LabelImage& labels, int threads) {
-  const std::vector<std::int32_t> only = onlyLabels(shares);
-  std::vector<int> border = borderCells(cells, only);
-  std::vector<char> changed(border.size());
-  forEachRange(threads, static_cast<int>(border.size()), [&](int begin, int end) {
+  const std::vector<std::int32_t> only = onlyLabels(shares, threads);
+  const int count = static_cast<int>(only.size()), parts = threads > 1 ? 4 * threads : 1;
+  std::vector<std::vector<int>> changed(static_cast<std::size_t>(parts));
+  forEachPart(threads, parts, [&](int part) {
     CellResolver resolver(grid, cells, planes, noise, tolerance);
     Neighbourhood neighbourhood(cells, shares, only);
-    for (int k = begin; k < end; ++k) {
-      const std::vector<std::int32_t>& candidates = neighbourhood.labelsAround(border[k]);
-      changed[k] = resolver.resolve(cells.patches[border[k]], candidates, 1, true, labels) ? 1 : 0;
+    for (int k = partBegin(count, parts, part), end = partBegin(count, parts, part + 1); k < end; ++k) {
+      if (!isBorderCell(cells, only, k)) continue;
+      if (resolver.resolve(cells.patches[k], neighbourhood.labelsAround(k), 1, true, labels)) changed[part].push_back(k);
     }
   });
-  std::size_t kept = 0;
-  for (std::size_t k = 0; k < border.size(); ++k) {
-    if (changed[k] != 0) border[kept++] = border[k];
-  }
-  border.resize(kept);
-  return border;
+  for (int part = 1; part < parts; ++part) changed[0].insert(changed[0].end(), changed[part].begin(), changed[part].end());
+  return std::move(changed[0]);
 }
 
 }  // namespace ppc

@@ -92,11 +92,13 @@ struct Meeting {
   LabelPair pair() const { return {static_cast<std::int32_t>(key >> 32U), static_cast<std::int32_t>(key & 0xffffffffU)}; }
 };
 
-// Where labels meet, cell by cell.
-std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellShares& all, const std::vector<int>& border) {
+// Where labels meet in and from cells [begin, end), cell by cell.
+std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellShares& all, const std::vector<std::int32_t>& only,
+                                  int begin, int end) {
   std::vector<Meeting> meetings;
-  meetings.reserve(4 * border.size());
-  for (const int i : border) {
+  meetings.reserve(static_cast<std::size_t>(end - begin));
+  for (int i = begin; i < end; ++i) {
+    if (!isBorderCell(cells, only, i)) continue;
     for (int s = all.begin[i]; s < all.begin[i + 1]; ++s) {
       const std::int32_t a = all.shares[s].label;
       const auto meet = [&](int t, int j) {
@@ -111,6 +113,18 @@ std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellShares& all,
     }
   }
   return meetings;
+}
+
+// Where labels meet, cell by cell.
+std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellShares& all, int threads) {
+  const std::vector<std::int32_t> only = onlyLabels(all, threads);
+  const int count = static_cast<int>(only.size()), parts = std::max(1, threads);
+  std::vector<std::vector<Meeting>> found(static_cast<std::size_t>(parts));
+  forEachPart(threads, parts, [&](int part) {
+    found[part] = findMeetings(cells, all, only, partBegin(count, parts, part), partBegin(count, parts, part + 1));
+  });
+  for (int part = 1; part < parts; ++part) found[0].insert(found[0].end(), found[part].begin(), found[part].end());
+  return std::move(found[0]);
 }
 
 // Gives meetings the labels' new names, and drops those that have come to be inside of one.
@@ -347,26 +361,15 @@ void shareClusters(const PatchGrid& patches, const std::vector<int>& cluster_of,
   shares.begin.push_back(static_cast<int>(shares.shares.size()));
 }
 
-std::vector<std::int32_t> onlyLabels(const CellShares& shares) {
+std::vector<std::int32_t> onlyLabels(const CellShares& shares, int threads) {
   std::vector<std::int32_t> only(shares.begin.size() - 1);
-  for (std::size_t i = 0; i < only.size(); ++i) {
-    const int begin = shares.begin[i], count = shares.begin[i + 1] - begin;
-    only[i] = count == 1 ? shares.shares[begin].label : count == 0 ? 0 : -1;
-  }
+  forEachRange(threads, static_cast<int>(only.size()), [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      const int begin = shares.begin[i], count = shares.begin[i + 1] - begin;
+      only[i] = count == 1 ? shares.shares[begin].label : count == 0 ? 0 : -1;
+    }
+  });
   return only;
-}
-
-std::vector<int> borderCells(const PatchGrid& cells, const std::vector<std::int32_t>& only) {
-  std::vector<int> found;
-  for (int i = 0; i < static_cast<int>(only.size()); ++i) {
-    const std::int32_t label = only[i];
-    if (label == 0) continue;
-    const int* const end = cells.neighbours.data() + cells.neighbour_begin[i + 1];
-    const int* const other = std::find_if(cells.neighbours.data() + cells.neighbour_begin[i], end,
-                                          [&](int j) { return only[j] != 0 && only[j] != label; });
-    if (label < 0 || other != end) found.push_back(i);
-  }
-  return found;
 }
 
 void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels,
@@ -408,7 +411,7 @@ std::vector<Eigen::Vector3d> labelPlanes(const CellShares& cells) {
 }
 
 std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                                      double threshold, CellShares& shares) {
+                                      double threshold, CellShares& shares, int threads) {
   const std::vector<Moments> sums = sumShares(shares);
   std::vector<Whole> whole;
   whole.reserve(sums.size());
@@ -416,7 +419,7 @@ std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& 
   std::vector<std::int32_t> names(whole.size());
   std::iota(names.begin(), names.end(), 0);
   std::vector<char> fresh(whole.size(), 1);  // pairs of labels that have not changed need no second look
-  std::vector<Meeting> all = findMeetings(cells, shares, borderCells(cells, onlyLabels(shares)));
+  std::vector<Meeting> all = findMeetings(cells, shares, threads);
   BorderSums borders(cells, shares, names);
   std::vector<std::pair<double, LabelPair>> candidates;
   std::vector<MeetingRun> runs;
@@ -468,8 +471,8 @@ std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& 
 }
 
 std::vector<LabelRun> mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                                  double threshold, CellShares& shares, LabelImage& labels) {
-  const std::vector<std::int32_t> names = mergeShares(cells, noise, tolerance, threshold, shares);
+                                  double threshold, CellShares& shares, LabelImage& labels, int threads) {
+  const std::vector<std::int32_t> names = mergeShares(cells, noise, tolerance, threshold, shares, threads);
   const std::vector<LabelRun> before = labelRuns(labels);
   renameLabels(names, before, labels);
   std::vector<LabelRun> runs;

@@ -110,7 +110,7 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
   shareClusters(patches, memory.clusters.cluster_of, shares);
   timer.lap("clustering");
   if (config.merge) {
-    mergeShares(patches, noise, tolerance, config.similarity_threshold, shares);
+    mergeShares(patches, noise, tolerance, config.similarity_threshold, shares, config.threads);
     timer.lap("merging");
   }
   LabelImage labels;
@@ -132,7 +132,8 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
       update();
       refine(first_new);
       update();
-      if (config.merge) pieces.runs = mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels);
+      if (config.merge)
+        pieces.runs = mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels, config.threads);
       runs_known = config.merge;
       timer.lap("second pass");
     } else {

@@ -8,6 +8,8 @@
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/similarity.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <vector>
 
 namespace ppc {
@@ -39,11 +41,17 @@ void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel
 std::vector<Eigen::Vector3d> labelPlanes(const CellShares& cells);
 
 /// @brief For every cell its only label, 0 if it has none, -1 if it has several.
-std::vector<std::int32_t> onlyLabels(const CellShares& shares);
+std::vector<std::int32_t> onlyLabels(const CellShares& shares, int threads = 1);
 
-/// @brief Cells in which several labels meet, or that lie next to a cell with another label.
+/// @brief Whether several labels meet in a cell, or it lies next to a cell with another label.
 /// @param only see onlyLabels().
-std::vector<int> borderCells(const PatchGrid& cells, const std::vector<std::int32_t>& only);
+inline bool isBorderCell(const PatchGrid& cells, const std::vector<std::int32_t>& only, int cell) {
+  const std::int32_t label = only[cell];
+  if (label <= 0) return label < 0;
+  const int* const end = cells.neighbours.data() + cells.neighbour_begin[cell + 1];
+  return std::any_of(cells.neighbours.data() + cells.neighbour_begin[cell], end,
+                     [&](int j) { return only[j] != 0 && only[j] != label; });
+}
 
 /// @brief Merges labels that touch and lie on one plane, most similar first.
 ///
@@ -55,10 +63,10 @@ std::vector<int> borderCells(const PatchGrid& cells, const std::vector<std::int3
 /// @param cells blocks of pixels by which "touching" and "where they meet" are measured.
 /// @param shares of `labels`; renamed along with them. @return the runs of the new labels.
 std::vector<LabelRun> mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                                  double threshold, CellShares& shares, LabelImage& labels);
+                                  double threshold, CellShares& shares, LabelImage& labels, int threads = 1);
 
 /// @brief The same where there is no image of the labels yet. @return the new name of every label.
 std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                                      double threshold, CellShares& shares);
+                                      double threshold, CellShares& shares, int threads = 1);
 
 }  // namespace ppc
