@@ -42,6 +42,7 @@ ABLATIONS = {
     'refinement and second pass': ['--set', 'refine=false'],
     'second pass': ['--set', 'second_pass=false'],
     'settlement of borders': ['--set', 'settle_borders=false'],
+    'borders along creases': ['--set', 'align_creases=false'],
     'filling of holes': ['--set', 'fill_holes=false'],
     'curvature test': ['--set', 'max_turn=10'],
     'everything: config/ppc_2012.yaml': ['--config', ROOT / 'config/ppc_2012.yaml'],

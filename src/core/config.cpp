@@ -44,6 +44,8 @@ std::vector<ConfigField> makeFields() {
                 "look for thin regions with smaller patches in what the first pass left over"),
       PPC_FIELD("settle_borders", Type::kBool, 0, 1, settle_borders,
                 "let regions that meet compete once more for the points along their borders, after the last merge"),
+      PPC_FIELD("align_creases", Type::kBool, 0, 1, align_creases,
+                "draw the borders of regions that meet at a crease along the line where their planes meet"),
       PPC_FIELD("fill_holes", Type::kBool, 0, 1, fill_holes,
                 "give bumps of noise inside of a region, too small for one of their own, to it"),
       PPC_FIELD("max_turn", Type::kDouble, 0.01, 10.0, max_turn,

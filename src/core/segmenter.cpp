@@ -4,6 +4,7 @@
 #include "patch_plane_clustering/core/border_settlement.h"
 #include "patch_plane_clustering/core/clustering.h"
 #include "patch_plane_clustering/core/connected_pieces.h"
+#include "patch_plane_clustering/core/crease_alignment.h"
 #include "patch_plane_clustering/core/curvature.h"
 #include "patch_plane_clustering/core/hole_filling.h"
 #include "patch_plane_clustering/core/label_runs.h"
@@ -158,13 +159,18 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
     std::swap(labels, pieces.labels);
     renameLabels(pieces.names, pieces.runs, labels);
   }
+  std::vector<Eigen::Vector3d>& piece_planes = memory.piece_planes;
+  piece_planes.clear();
+  for (const std::int32_t label : pieces.whole) piece_planes.push_back(planes[label]);
   if (config.fill_holes) {
-    std::vector<Eigen::Vector3d>& piece_planes = memory.piece_planes;
-    piece_planes.clear();
-    for (const std::int32_t label : pieces.whole) piece_planes.push_back(planes[label]);
     fillHoles(grid, piece_planes, patches.center, noise, tolerance, smallestRegion(config, grid.size()), memory.holes,
               labels, config.threads);
     timer.lap("holes");
+  }
+  if (config.refine && config.align_creases) {
+    alignCreases(grid, piece_planes, patches.center, noise, tolerance, smallestRegion(config, grid.size()), memory.creases,
+                 labels);
+    timer.lap("creases");
   }
   return labels;
 }

@@ -250,7 +250,7 @@ TEST(Segmenter, ABoxRoomHasSixFacesAlsoTowardsThePoles) {
 
 TEST(Segmenter, ARoomKeepsItsFacesWithoutAnyOneOfTheLaterSteps) {
   const BoxRoom room;
-  for (const char* name : {"refine", "second_pass", "settle_borders", "fill_holes"}) {
+  for (const char* name : {"refine", "second_pass", "settle_borders", "align_creases", "fill_holes"}) {
     SCOPED_TRACE(name);
     Config config;
     setConfigField(config, name, 0.0);

@@ -25,6 +25,7 @@ struct Config {
   bool refine = true;                 ///< assign points one by one along the borders of clusters
   bool second_pass = true;            ///< look for thin regions with smaller patches in what the first pass left over
   bool settle_borders = true;         ///< let regions that meet compete once more along their borders, after the last merge
+  bool align_creases = true;          ///< draw borders at creases along the line where the planes meet
   bool fill_holes = true;             ///< give bumps of noise inside of a region, too small for one, to it
   double max_turn = 0.45;             ///< regions whose normal turns by more from end to end are curved [rad]
   double noise_scale = 0.0;           ///< factor on the sensor's noise; 0 = estimate the noise from each image

@@ -5,6 +5,7 @@
 #include "patch_plane_clustering/core/border_settlement.h"
 #include "patch_plane_clustering/core/clustering.h"
 #include "patch_plane_clustering/core/config.h"
+#include "patch_plane_clustering/core/crease_alignment.h"
 #include "patch_plane_clustering/core/curvature.h"
 #include "patch_plane_clustering/core/hole_filling.h"
 #include "patch_plane_clustering/core/line_errors.h"
@@ -41,6 +42,7 @@ struct ClusteringMemory {
   CurvatureMemory curvature;
   std::vector<Eigen::Vector3d> piece_planes;  ///< of the pieces of labels
   HoleMemory holes;
+  CreaseMemory creases;
   FinishingMemory finishing;
 };
 
