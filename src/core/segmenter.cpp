@@ -168,8 +168,9 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
     timer.lap("holes");
   }
   if (config.refine && config.align_creases) {
-    alignCreases(grid, piece_planes, patches.center, noise, tolerance, smallestRegion(config, grid.size()), memory.creases,
-                 labels);
+    // The plane of the smallest regions is not known well enough to tell where it meets another one.
+    alignCreases(grid, piece_planes, patches.center, noise, tolerance, 2 * smallestRegion(config, grid.size()),
+                 memory.creases, labels);
     timer.lap("creases");
   }
   return labels;
