@@ -32,6 +32,7 @@ class CreaseAligner {
         tolerance_(tolerance),
         smallest_(smallest),
         memory_(memory),
+        image_(labels),
         labels_(labels.labels.data()) {
     memory_.points.assign(planes.size(), 0);
     forEachRun(labels, [&](std::int32_t label, int begin, int end) { memory_.points[label] += end - begin; });
@@ -41,7 +42,7 @@ class CreaseAligner {
   }
 
   void align() {
-    findMeetings();
+    forEachChange(image_, [&](int pixel, int step, int) { meet(pixel, step); });
     std::vector<Meeting>& meetings = memory_.meetings;
     const auto key = [](const Meeting& m) { return std::tie(m.first, m.second, m.step, m.pixel); };
     std::sort(meetings.begin(), meetings.end(), [&](const Meeting& a, const Meeting& b) { return key(a) < key(b); });
@@ -61,25 +62,6 @@ class CreaseAligner {
     const std::int32_t a = labels_[pixel - step], b = labels_[pixel];
     if (a <= 0 || b <= 0 || memory_.points[a] < smallest_ || memory_.points[b] < smallest_) return;
     memory_.meetings.push_back({std::min(a, b), std::max(a, b), pixel, step});
-  }
-
-  void findMeetings() {
-    for (int r = 0; r < grid_.rows; ++r) {
-      const int row = grid_.index(r, 0);
-      for (int c = runEnd(labels_ + row, 0, grid_.cols); c < grid_.cols; c = runEnd(labels_ + row, c, grid_.cols)) {
-        meet(row + c, 1);
-      }
-      for (int c = 0; r > 0 && c < grid_.cols;) {
-        const int i = row + c;
-        if (c + kLanes <= grid_.cols &&
-            !anyLane(loadLanes<LaneMask>(labels_ + i) != loadLanes<LaneMask>(labels_ + i - grid_.cols))) {
-          c += kLanes;
-          continue;
-        }
-        if (labels_[i] != labels_[i - grid_.cols]) meet(i, grid_.cols);
-        ++c;
-      }
-    }
   }
 
   // Looks at the pixels on both sides of a meeting, as far as they are of either label.
@@ -138,6 +120,7 @@ class CreaseAligner {
   const CoplanarityTolerance& tolerance_;
   int smallest_;
   CreaseMemory& memory_;
+  const LabelImage& image_;
   std::int32_t* labels_;
 };
 

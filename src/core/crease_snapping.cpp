@@ -58,25 +58,9 @@ void addBorder(const BeamGrid& grid, const LabelImage& labels, int pixel, int st
 
 Borders findBorders(const BeamGrid& grid, const LabelImage& labels) {
   Borders borders;
-  const std::int32_t* const pixels = labels.labels.data();
-  for (int r = 0; r < grid.rows; ++r) {
-    const int row = grid.index(r, 0);
-    for (int begin = 0, end = 0; begin < grid.cols; begin = end) {
-      end = runEnd(pixels + row, begin, grid.cols);
-      if (pixels[row + begin] > 0) addBorder(grid, labels, row + begin, 1, begin, borders);
-    }
-    if (r == 0) continue;
-    for (int c = 0; c < grid.cols;) {  // where the label differs from that in the row before
-      const int i = row + c;
-      if (c + kLanes <= grid.cols &&
-          !anyLane(loadLanes<LaneMask>(pixels + i) != loadLanes<LaneMask>(pixels + i - grid.cols))) {
-        c += kLanes;
-        continue;
-      }
-      if (pixels[i] > 0 && pixels[i] != pixels[i - grid.cols]) addBorder(grid, labels, i, grid.cols, r, borders);
-      ++c;
-    }
-  }
+  forEachChange(labels, [&](int pixel, int step, int place) {
+    if (labels.labels[pixel] > 0) addBorder(grid, labels, pixel, step, place, borders);
+  });
   return borders;
 }
 

@@ -43,6 +43,29 @@ inline LaneMask labelsAt(const LabelImage& labels, int i, int count) {
   return inside ? loadLanes<LaneMask>(at) : loadLanes<LaneMask>(at, count);
 }
 
+/// Calls f(pixel, step, place) for every pixel whose label differs from that of the pixel before it: in its row (step 1),
+/// and in its column (step: the number of columns). `place` is the pixel's column or row. Row by row, along rows first.
+template <typename F>
+void forEachChange(const LabelImage& labels, F&& f) {
+  const std::int32_t* const pixels = labels.labels.data();
+  for (int r = 0; r < labels.rows; ++r) {
+    const int row = r * labels.cols;
+    for (int c = 0; c < labels.cols; c = runEnd(pixels + row, c, labels.cols)) {
+      if (c > 0) f(row + c, 1, c);
+    }
+    for (int c = 0; r > 0 && c < labels.cols;) {
+      const int i = row + c;
+      if (c + kLanes <= labels.cols &&
+          !anyLane(loadLanes<LaneMask>(pixels + i) != loadLanes<LaneMask>(pixels + i - labels.cols))) {
+        c += kLanes;
+        continue;
+      }
+      if (pixels[i] != pixels[i - labels.cols]) f(i, labels.cols, r);
+      ++c;
+    }
+  }
+}
+
 /// A stretch of pixels of one label above 0.
 struct LabelRun {
   std::int32_t label;
