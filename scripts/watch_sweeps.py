@@ -124,7 +124,7 @@ class Watcher:
         line = (f"sweep {len(self.done)}: {numbers.height} x {numbers.width} beams, {numbers.regions} planes, "
                 f"{numbers.polygons} polygons, {numbers.planar_points} points -> {numbers.vertices} vertices "
                 f"(compression {numbers.compression:.0f})")
-        print(f"{line}, {numbers.processor_milliseconds:.1f} ms of one core, {numbers.total_milliseconds:.1f} ms in all ({stages}), {memory:.0f} MB", flush=True)
+        print(f"{line}, {numbers.processor_milliseconds:.1f} ms of one core, polygons {numbers.total_milliseconds:.1f} ms after the image ({stages}), {memory:.0f} MB", flush=True)
         if self.options.picture:
             number = f"-{len(self.done) - 1:04d}" if self.options.keep else ""
             path = number.join(os.path.splitext(self.options.picture))
@@ -144,8 +144,8 @@ class Watcher:
             return
         times = [numbers.total_milliseconds for numbers in self.done]
         work = [numbers.processor_milliseconds for numbers in self.done]
-        print(f"plane clustering a sweep, message in to polygons out: fastest {min(work):.1f} ms of one core, "
-              f"median {statistics.median(work):.1f} ms; {statistics.median(times):.1f} ms by the clock beside all else that runs here, longest {max(times):.1f} ms")
+        print(f"plane clustering a sweep: fastest {min(work):.1f} ms of one core, median {statistics.median(work):.1f} ms; by the clock, beside "
+              f"all else that runs here, polygons came {statistics.median(times):.1f} ms after the image, {max(times):.1f} ms at most")
         ticks, stolen = (now - then for now, then in zip(processor_ticks(), self.ticks_start))
         if stolen > 0.02 * ticks:
             print(f"the host of this virtual machine took away {stolen / ticks:.0%} of the processors meanwhile: times are too long")

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 namespace ppc {
@@ -234,11 +233,13 @@ void SweepAssembler::add(PlacedLine placed) {
   open_.push_back(std::move(placed));
   const std::size_t completed = splitter_.feed(tilt);
   if (completed > 0) emit(completed, SweepEnd::kTurn);
+  tellForeseen();
   if (open_.size() >= static_cast<std::size_t>(options_.max_lines)) close(SweepEnd::kMaxLines);
 }
 
 void SweepAssembler::restart() {
   splitter_.restart();
+  told_ = 0;
   cut_ = false;
 }
 
@@ -247,55 +248,74 @@ int SweepAssembler::close(SweepEnd reason) {
   return emit(open_.size(), reason);
 }
 
+void SweepAssembler::tellForeseen() {
+  const std::size_t lines = splitter_.foreseen();
+  if (lines == 0 || lines == told_ || !foreseen_handler_) return;
+  told_ = lines;
+  Sweep sweep;
+  if (assemble(lines, sweep)) foreseen_handler_(std::move(sweep));
+}
+
 int SweepAssembler::emit(std::size_t lines, SweepEnd reason) {
   if (lines == 0) return 0;
-  std::vector<PlacedLine> rows(std::make_move_iterator(open_.begin()), std::make_move_iterator(open_.begin() + lines));
-  open_.erase(open_.begin(), open_.begin() + static_cast<std::ptrdiff_t>(lines));
-  const auto newest = std::max_element(rows.begin(), rows.end(), [](const PlacedLine& a, const PlacedLine& b) {
-    return a.line.lastStamp() < b.line.lastStamp();
-  });
   Sweep sweep;
   sweep.end = reason;
-  sweep.stamp = newest->line.lastStamp();
-  const Eigen::Isometry3d world_in_base = newest->base.inverse();
-
-  std::stable_sort(rows.begin(), rows.end(), [](const PlacedLine& a, const PlacedLine& b) { return a.tilt < b.tilt; });
-  if (rows.size() < static_cast<std::size_t>(options_.min_lines) ||
-      rows.back().tilt - rows.front().tilt < options_.min_tilt_span) {
-    drop(DropCause::kSweepTooSmall, rows.size());
+  const bool large_enough = assemble(lines, sweep);
+  open_.erase(open_.begin(), open_.begin() + static_cast<std::ptrdiff_t>(lines));
+  told_ = 0;
+  if (!large_enough) {
+    drop(DropCause::kSweepTooSmall, lines);
     return 0;
   }
+  accounts_.pending -= lines;
+  accounts_.lines_in_images += lines;
+  ++accounts_.sweeps;
+  sweep.accounts = accounts_;
+  sweep.accounts.lines_in -= queue_.size() + suspects_.size();
+  sweep.accounts.pending -= queue_.size() + suspects_.size();
+  handler_(std::move(sweep));
+  return static_cast<int>(lines);
+}
+
+// The image and stamp of the first lines of the open sweep. False if they are too few, or span too little.
+bool SweepAssembler::assemble(std::size_t lines, Sweep& sweep) const {
+  std::vector<const PlacedLine*> rows(lines);
+  std::transform(open_.begin(), open_.begin() + static_cast<std::ptrdiff_t>(lines), rows.begin(),
+                 [](const PlacedLine& line) { return &line; });
+  const PlacedLine& newest = **std::max_element(rows.begin(), rows.end(), [](const PlacedLine* a, const PlacedLine* b) {
+    return a->line.lastStamp() < b->line.lastStamp();
+  });
+  sweep.stamp = newest.line.lastStamp();
+  const Eigen::Isometry3d world_in_base = newest.base.inverse();
+
+  std::stable_sort(rows.begin(), rows.end(), [](const auto* a, const auto* b) { return a->tilt < b->tilt; });
+  const double lowest = rows.front()->tilt, highest = rows.back()->tilt;
+  if (lines < static_cast<std::size_t>(options_.min_lines) || highest - lowest < options_.min_tilt_span) return false;
   // Round and round, the joint's angle grows without end; the tilts of the image do not.
   constexpr double kPi = 3.141592653589793;
-  const double middle = 0.5 * (rows.front().tilt + rows.back().tilt);
+  const double middle = 0.5 * (lowest + highest);
   const double turns = options_.motion == SweepMotion::kNodding ? 0.0 : 2.0 * kPi * std::floor((middle + kPi) / (2.0 * kPi));
 
   RangeImage& image = sweep.image;
-  const ScanLine& layout = rows.front().line;
-  image.rows = static_cast<int>(rows.size());
+  const ScanLine& layout = rows.front()->line;
+  image.rows = static_cast<int>(lines);
   image.cols = static_cast<int>(layout.ranges.size());
   image.bearing_min = layout.bearing_min;
   image.bearing_increment = layout.bearing_increment;
   image.range_min = layout.range_min;
   image.range_max = layout.range_max;
   image.poses_per_row = options_.poses_per_row;
-  image.ranges.reserve(rows.size() * layout.ranges.size());
-  const bool intense = std::none_of(rows.begin(), rows.end(), [](const auto& row) { return row.line.intensities.empty(); });
-  for (const PlacedLine& row : rows) {
-    image.ranges.insert(image.ranges.end(), row.line.ranges.begin(), row.line.ranges.end());
-    if (intense) image.intensities.insert(image.intensities.end(), row.line.intensities.begin(), row.line.intensities.end());
-    for (const Eigen::Isometry3d& pose : row.poses) image.line_poses.push_back(world_in_base * pose);
-    image.tilts.push_back(row.tilt - turns);
-    image.row_stamps.push_back(row.line.stamp);
+  image.ranges.reserve(lines * layout.ranges.size());
+  const bool intense = std::none_of(rows.begin(), rows.end(), [](const auto* row) { return row->line.intensities.empty(); });
+  for (const PlacedLine* row : rows) {
+    const ScanLine& line = row->line;
+    image.ranges.insert(image.ranges.end(), line.ranges.begin(), line.ranges.end());
+    if (intense) image.intensities.insert(image.intensities.end(), line.intensities.begin(), line.intensities.end());
+    for (const Eigen::Isometry3d& pose : row->poses) image.line_poses.push_back(world_in_base * pose);
+    image.tilts.push_back(row->tilt - turns);
+    image.row_stamps.push_back(line.stamp);
   }
-  accounts_.pending -= rows.size();
-  accounts_.lines_in_images += rows.size();
-  ++accounts_.sweeps;
-  sweep.accounts = accounts_;
-  sweep.accounts.lines_in -= queue_.size() + suspects_.size();
-  sweep.accounts.pending -= queue_.size() + suspects_.size();
-  handler_(std::move(sweep));
-  return static_cast<int>(rows.size());
+  return true;
 }
 
 void SweepAssembler::countDropped(DropCause cause) {

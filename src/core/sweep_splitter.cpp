@@ -8,6 +8,7 @@ namespace ppc {
 namespace {
 
 constexpr double kPi = 3.141592653589793;
+constexpr double kSeemingTurn = 0.25;  // of the hysteresis: less is the noise of most encoders
 
 }  // namespace
 
@@ -16,6 +17,7 @@ SweepSplitter::SweepSplitter(SweepMotion motion, double hysteresis) : motion_(mo
 void SweepSplitter::restart() {
   lines_ = 0;
   direction_ = 0;
+  foreseen_ = 0;
 }
 
 std::size_t SweepSplitter::feed(double tilt) {
@@ -24,6 +26,7 @@ std::size_t SweepSplitter::feed(double tilt) {
 
 std::size_t SweepSplitter::feedNodding(double tilt) {
   const std::size_t index = lines_++;
+  foreseen_ = 0;
   if (index == 0) {
     lowest_ = highest_ = tilt;
     turn_at_ = 0;
@@ -40,7 +43,10 @@ std::size_t SweepSplitter::feedNodding(double tilt) {
     return 0;
   }
   const double come_back = direction_ > 0 ? highest_ - tilt : tilt - lowest_;
-  if (come_back <= hysteresis_) return 0;
+  if (come_back <= hysteresis_) {
+    if (come_back > kSeemingTurn * hysteresis_) foreseen_ = turn_at_ + 1;
+    return 0;
+  }
   const std::size_t completed = turn_at_ + 1;
   lines_ -= completed;
   direction_ = -direction_;
@@ -56,13 +62,19 @@ std::size_t SweepSplitter::feedNodding(double tilt) {
 
 std::size_t SweepSplitter::feedSpinning(double tilt) {
   const double width = motion_ == SweepMotion::kHalfTurn ? kPi : 2.0 * kPi;
-  const double sector = std::floor((tilt + kPi) / width);
+  const auto sectorOf = [width](double at) { return std::floor((at + kPi) / width); };
+  const double sector = sectorOf(tilt), step = tilt - latest_;
   const std::size_t before = lines_++;
+  latest_ = tilt;
+  foreseen_ = 0;
   if (before == 0) {
     sector_ = sector;
     return 0;
   }
-  if (sector == sector_) return 0;
+  if (sector == sector_) {
+    if (sectorOf(tilt + step) != sector) foreseen_ = lines_;
+    return 0;
+  }
   const double start = sector_ * width - kPi;
   const double fallen_back = direction_ > 0 ? start - tilt : direction_ < 0 ? tilt - (start + width) : width;
   if (fallen_back >= 0.0 && fallen_back <= hysteresis_) return 0;

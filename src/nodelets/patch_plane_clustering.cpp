@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "patch_plane_clustering/baselines/plane_segmenter.h"
+#include "message_segmenter.h"
+
 #include "patch_plane_clustering/ros/image_accounts.h"
 #include "patch_plane_clustering/ros/markers.h"
 #include "patch_plane_clustering/ros/newest_worker.h"
 #include "patch_plane_clustering/ros/parameters.h"
 #include "patch_plane_clustering/ros/processor_time.h"
-#include "patch_plane_clustering/ros/range_image_conversions.h"
 #include "patch_plane_clustering/ros/reconfiguration.h"
 #include "patch_plane_clustering/ros/segmentation_conversions.h"
 
@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <pluginlib/class_list_macros.hpp>
 #include <stdexcept>
 #include <string>
@@ -23,20 +24,11 @@
 namespace ppc {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using Clock = Arrival::Clock;
 
 double millisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
-
-/// What came in: one of the two messages, and when.
-struct Arrival {
-  RangeImageMsg::ConstPtr image;
-  sensor_msgs::PointCloud2::ConstPtr cloud;
-  Clock::time_point time = Clock::now();
-
-  const std_msgs::Header& header() const { return image ? image->header : cloud->header; }
-};
 
 }  // namespace
 
@@ -45,6 +37,7 @@ struct Arrival {
 class PatchPlaneClustering : public nodelet::Nodelet {
  public:
   ~PatchPlaneClustering() override {
+    foreseen_subscriber_.shutdown();
     image_subscriber_.shutdown();  // returns when no callback runs any more
     cloud_subscriber_.shutdown();
     diagnostics_timer_.stop();
@@ -78,6 +71,7 @@ class PatchPlaneClustering : public nodelet::Nodelet {
     diagnostics_timer_ = nh.createSteadyTimer(ros::WallDuration(1.0), [this](const auto&) { updater_->force_update(); });
 
     image_subscriber_ = nh.subscribe("range_image", 2, &PatchPlaneClustering::onImage, this);
+    foreseen_subscriber_ = nh.subscribe("range_image/foreseen", 1, &PatchPlaneClustering::onForeseen, this);
     cloud_subscriber_ = nh.subscribe("points_in", 2, &PatchPlaneClustering::onCloud, this);
     if (cloud_subscriber_.getTopic() != points_publisher_.getTopic()) return;
     cloud_subscriber_.shutdown();  // or it would segment its own clouds without end
@@ -89,7 +83,7 @@ class PatchPlaneClustering : public nodelet::Nodelet {
     ParameterReader reader(private_nh);
     config_ = std::make_shared<const Config>(readConfig(reader));
     method_name_ = reader.getChoice("method", "ppc", segmenterNames());
-    method_ = makeSegmenter(method_name_);
+    segmenter_ = std::make_unique<MessageSegmenter>(method_name_);
     reader.expect("diagnostic_period");
     for (const std::string& error : reader.errors()) NODELET_ERROR("%s; the default is used", error.c_str());
     for (const std::string& unknown : reader.unknown()) {
@@ -106,9 +100,13 @@ class PatchPlaneClustering : public nodelet::Nodelet {
     receive({nullptr, event.getConstMessage()}, event.getPublisherName());
   }
 
+  // Only in time that nobody else needs.
+  void onForeseen(const RangeImageMsg::ConstPtr& image) { worker_->pushIfIdle({image, nullptr, true}); }
+
   void receive(Arrival arrival, const std::string& publisher) {
     accounts_.receive(publisher, arrival.header().seq);
-    if (!worker_->push(std::move(arrival))) return;
+    const std::optional<Arrival> overtaken = worker_->push(std::move(arrival));
+    if (!overtaken || overtaken->foreseen) return;  // nothing is lost with what was foreseen
     accounts_.overtake();
     NODELET_WARN_THROTTLE(10.0, "images arrive faster than they can be segmented; the newest wins (%u overtaken so far)",
                           accounts_.counts().overtaken);
@@ -140,41 +138,22 @@ class PatchPlaneClustering : public nodelet::Nodelet {
 
   void process(const Arrival& arrival) {
     try {
-      const auto config = this->config();
-      const auto start = Clock::now();
-      processor_start_ = threadProcessorMilliseconds();
-      const BeamGrid& grid = readGrid(arrival);
-      if (method_name_ == "ppc" && std::min(grid.rows, grid.cols) < config->patch_size) {
-        throw std::invalid_argument("patch_size = " + std::to_string(config->patch_size) + " is larger than the image (" +
-                                    std::to_string(grid.rows) + " x " + std::to_string(grid.cols) + ")");
-      }
-      const StageTime conversion("message", millisecondsSince(start));
-      Segmentation segmentation = segmentWith(*method_, grid, *config);
-      segmentation.stages.insert(segmentation.stages.begin(), conversion);
-      publish(arrival, grid, segmentation);
+      segmenter_->segment(arrival, config());
+      if (!arrival.foreseen) publish(arrival);
     } catch (const std::exception& error) {
-      skip(arrival, error.what());
+      if (!arrival.foreseen) skip(arrival, error.what());  // else it will come again
     }
-  }
-
-  /// The grid stays valid until the next message.
-  const BeamGrid& readGrid(const Arrival& arrival) {
-    if (arrival.image) {
-      fromMessage(*arrival.image, image_);
-      toBeamGrid(image_, grid_);
-    } else {
-      grid_ = gridFromCloud(*arrival.cloud);
-    }
-    return grid_;
   }
 
   /// Only the polygons are always made; the rest if somebody listens.
-  void publish(const Arrival& arrival, const BeamGrid& grid, const Segmentation& segmentation) {
+  void publish(const Arrival& arrival) {
+    const double processor_start = threadProcessorMilliseconds();
+    const Segmentation& segmentation = segmenter_->segmentation();
     const std_msgs::Header& header = arrival.header();
     publishAs(polygons_publisher_, toPolygonArray(segmentation, header));
     const double total = millisecondsSince(arrival.time);
-    const double processor = threadProcessorMilliseconds() - processor_start_;
-    accounts_.segment(total);
+    const double processor = segmenter_->processorMilliseconds() + threadProcessorMilliseconds() - processor_start;
+    accounts_.segment(total, segmenter_->wasForeseen());
     if (statistics_publisher_.getNumSubscribers() > 0) {
       SegmentationStatistics statistics = toStatistics(segmentation, header);
       statistics.method = method_name_;
@@ -192,7 +171,7 @@ class PatchPlaneClustering : public nodelet::Nodelet {
     if (labels_publisher_.getNumSubscribers() > 0) publishAs(labels_publisher_, toLabelImage(segmentation.labels, header));
     if (markers_publisher_.getNumSubscribers() > 0) publishAs(markers_publisher_, toMarkers(segmentation, header));
     if (points_publisher_.getNumSubscribers() > 0) {
-      publishAs(points_publisher_, toSegmentedCloud(grid, segmentation.labels, header));
+      publishAs(points_publisher_, toSegmentedCloud(segmenter_->grid(), segmentation.labels, header));
     }
   }
 
@@ -212,12 +191,9 @@ class PatchPlaneClustering : public nodelet::Nodelet {
   }
 
   std::string method_name_;
-  std::string unknown_;                     // parameters that nobody knows
-  std::string misled_;                      // why clouds are not listened to
-  std::unique_ptr<PlaneSegmenter> method_;  // of the worker's thread
-  RangeImage image_;  // of the worker's thread, like the grid: their memory serves the next message too
-  BeamGrid grid_;
-  double processor_start_ = 0.0;  // of the worker's thread, when it took up the message [ms]
+  std::string unknown_;                          // parameters that nobody knows
+  std::string misled_;                           // why clouds are not listened to
+  std::unique_ptr<MessageSegmenter> segmenter_;  // of the worker's thread
   mutable std::mutex config_mutex_;
   std::shared_ptr<const Config> config_;
   boost::recursive_mutex server_mutex_;
@@ -228,7 +204,7 @@ class PatchPlaneClustering : public nodelet::Nodelet {
   ros::SteadyTimer diagnostics_timer_;
   std::optional<Clock::time_point> reported_;  // of the worker's thread
   ros::Publisher polygons_publisher_, markers_publisher_, labels_publisher_, points_publisher_, statistics_publisher_;
-  ros::Subscriber image_subscriber_, cloud_subscriber_;
+  ros::Subscriber image_subscriber_, foreseen_subscriber_, cloud_subscriber_;
   std::unique_ptr<NewestWorker<Arrival>> worker_;
 };
 

@@ -71,6 +71,10 @@ class TiltScanDriver : public nodelet::Nodelet {
     assembler_ = std::make_unique<SweepAssembler>(options_.sweep, *poses_, [this](Sweep&& sweep) { publish(sweep); });
 
     image_pub_ = nh.advertise<RangeImageMsg>("range_image", 2);
+    if (options_.foresee) {
+      foreseen_pub_ = nh.advertise<RangeImageMsg>("range_image/foreseen", 2);
+      assembler_->foresee([this](Sweep&& sweep) { publishForeseen(sweep); });
+    }
     points_pub_ = nh.advertise<sensor_msgs::PointCloud2>("points", 2);
     radial_pub_ = nh.advertise<sensor_msgs::Image>("range_image/image", 2);
     close_service_ = nh.advertiseService("close_sweep", &TiltScanDriver::closeSweep, this);
@@ -156,6 +160,15 @@ class TiltScanDriver : public nodelet::Nodelet {
     return true;
   }
 
+  // No sequence number and no accounts: it is no sweep yet, and may never be one.
+  void publishForeseen(const Sweep& sweep) {
+    if (foreseen_pub_.getNumSubscribers() == 0) return;
+    std_msgs::Header header;
+    header.stamp = toTime(sweep.stamp);
+    header.frame_id = options_.base_frame;
+    foreseen_pub_.publish(boost::make_shared<RangeImageMsg>(toMessage(sweep.image, header)));
+  }
+
   void publish(const Sweep& sweep) {
     last_sweep_ = ros::SteadyTime::now();
     if (assembler_->accounts().sweeps == 1) {
@@ -233,7 +246,7 @@ class TiltScanDriver : public nodelet::Nodelet {
   std::unique_ptr<diagnostic_updater::Updater> updater_;
   ros::SteadyTime first_scan_, last_scan_, last_row_, last_joint_, last_sweep_, last_report_;
 
-  ros::Publisher image_pub_, points_pub_, radial_pub_;
+  ros::Publisher image_pub_, foreseen_pub_, points_pub_, radial_pub_;
   ros::ServiceServer close_service_;
   ros::Subscriber scan_sub_, joint_sub_;
   ros::SteadyTimer housekeeping_, diagnostics_timer_;

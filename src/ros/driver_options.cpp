@@ -35,6 +35,8 @@ DriverOptions readDriverOptions(ParameterReader& reader) {
   o.sweep.max_wait = reader.getDouble("max_wait", o.sweep.max_wait, 0.1, 3600.0);
   o.sweep.max_queue = reader.getInt("max_queue", o.sweep.max_queue, 1, 100000);
 
+  o.foresee = reader.getBool("foresee", o.foresee);
+
   o.track.max_gap = reader.getDouble("max_joint_gap", o.track.max_gap, 0.001, 60.0);
   o.track.max_speed = reader.getDouble("max_joint_speed", o.track.max_speed, 0.01, 1000.0);
   o.mount_timeout = reader.getDouble("mount_timeout", o.mount_timeout, 0.0, 3600.0);

@@ -19,9 +19,10 @@ void ImageAccounts::receive(const std::string& publisher, std::uint32_t sequence
   counts_.lost = sequence_.lost();
 }
 
-void ImageAccounts::segment(double milliseconds) {
+void ImageAccounts::segment(double milliseconds, bool foreseen) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++counts_.segmented;
+  if (foreseen) ++counts_.foreseen;
   worst_milliseconds_ = std::max(worst_milliseconds_, milliseconds);
 }
 
@@ -59,6 +60,7 @@ void ImageAccounts::write(double elapsed, diagnostic_updater::DiagnosticStatusWr
   }
   status.add("Images received", counts_.received);
   status.add("Images segmented", counts_.segmented);
+  status.add("Images segmented before their sweep's end was certain", counts_.foreseen);
   status.add("Images refused", counts_.refused);
   status.add("Images overtaken", counts_.overtaken);
   status.add("Images lost on the way", counts_.lost);

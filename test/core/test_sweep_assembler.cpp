@@ -117,6 +117,56 @@ TEST(SweepAssembler, spinningPointsMatchTheClosedFormWithinAMillimetreAtTenMetre
   }
 }
 
+void expectSameImage(const RangeImage& a, const RangeImage& b) {
+  EXPECT_EQ(a.rows, b.rows);
+  EXPECT_EQ(a.ranges, b.ranges);
+  EXPECT_EQ(a.tilts, b.tilts);
+  EXPECT_EQ(a.row_stamps, b.row_stamps);
+  ASSERT_EQ(a.line_poses.size(), b.line_poses.size());
+  for (std::size_t i = 0; i < a.line_poses.size(); ++i) {
+    ASSERT_EQ(a.line_poses[i].matrix(), b.line_poses[i].matrix()) << i;
+  }
+}
+
+TEST(SweepAssembler, sweepsAreForeseenAsTheyWillBe) {
+  for (const SweepMotion motion : {SweepMotion::kNodding, SweepMotion::kHalfTurn}) {
+    SweepOptions options;
+    options.motion = motion;
+    Rig rig(options, Eigen::Vector3d::UnitY(), leverArm());
+    if (motion == SweepMotion::kHalfTurn) rig.angle = [](double t) { return 3.0 * (t - kStart) - M_PI; };
+    std::vector<Sweep> foreseen;
+    std::vector<std::size_t> completed;  // when each was foreseen
+    rig.assembler.foresee([&](Sweep&& sweep) {
+      foreseen.push_back(std::move(sweep));
+      completed.push_back(rig.sweeps.size());
+    });
+    rig.run(0.0, 8.2);
+    ASSERT_GE(rig.sweeps.size(), 4U);
+    ASSERT_GE(foreseen.size(), rig.sweeps.size());
+    for (std::size_t i = 0; i < rig.sweeps.size(); ++i) {
+      EXPECT_EQ(completed[i], i) << "not told before its end, or more than once";
+      EXPECT_EQ(foreseen[i].stamp, rig.sweeps[i].stamp);
+      expectSameImage(foreseen[i].image, rig.sweeps[i].image);
+    }
+    rig.expectAccountsClose();  // what is foreseen counts nowhere
+  }
+}
+
+TEST(SweepAssembler, aTurnThatWasNoneIsForeseenInVain) {
+  Rig rig;
+  // Up, 10 mrad back within the hysteresis of 20, and up again.
+  rig.angle = [](double t) {
+    const double s = t - kStart;
+    return s < 2.0 ? 0.2 * s : s < 2.2 ? 0.4 - 0.05 * (s - 2.0) : 0.39 + 0.2 * (s - 2.2);
+  };
+  int foreseen = 0;
+  rig.assembler.foresee([&](Sweep&&) { ++foreseen; });
+  rig.run(0.0, 4.0);
+  EXPECT_EQ(foreseen, 1);
+  EXPECT_TRUE(rig.sweeps.empty());
+  EXPECT_GT(rig.assembler.close(SweepEnd::kRequest), 150);  // all of it is one sweep
+}
+
 TEST(SweepAssembler, rowsAscendInBothDirectionsAndTheGridIsTheSame) {
   SweepOptions options;
   Rig rig(options);

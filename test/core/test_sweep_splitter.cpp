@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -71,10 +72,65 @@ TEST(SweepSplitter, noiseAtTheBorderOfATurnMakesNoSweeps) {
   EXPECT_EQ(split(SweepMotion::kFullTurn, tilts), (std::vector<std::size_t>{3}));
 }
 
+// What is foreseen while a completed sweep comes to its end: how many lines before, and whether it was right.
+struct Foreseen {
+  int right = 0, wrong = 0;
+  std::size_t fewest_lines_ahead = 1000;
+};
+
+Foreseen foresee(SweepMotion motion, const std::vector<double>& tilts, double hysteresis = 0.02) {
+  SweepSplitter splitter(motion, hysteresis);
+  Foreseen result;
+  std::size_t foreseen = 0, since = 0;
+  for (const double tilt : tilts) {
+    const std::size_t completed = splitter.feed(tilt);
+    if (completed > 0) {
+      (completed == foreseen ? result.right : result.wrong) += 1;
+      result.fewest_lines_ahead = std::min(result.fewest_lines_ahead, since);
+    }
+    ++since;
+    if (splitter.foreseen() != 0 && splitter.foreseen() != foreseen) since = 1;
+    foreseen = splitter.foreseen();
+  }
+  return result;
+}
+
+TEST(SweepSplitter, turningPointsAreForeseenOnceTheTiltHasComeBackByAQuarter) {
+  // Steps of 2 mrad: seen to have come back after 6, certain after 20 to 22.
+  const Foreseen result = foresee(SweepMotion::kNodding, triangle(500, 0.002, 4));
+  EXPECT_EQ(result.right, 3);
+  EXPECT_EQ(result.wrong, 0);
+  EXPECT_GE(result.fewest_lines_ahead, 7U);
+}
+
+TEST(SweepSplitter, noiseAmidASweepForeseesNothing) {
+  SweepSplitter splitter(SweepMotion::kNodding, 0.02);
+  for (int i = 0; i < 200; ++i) {
+    splitter.feed(0.01 * i - (i % 2 == 0 ? 0.012 : 0.0));  // comes back by 2 mrad at every second line
+    EXPECT_EQ(splitter.foreseen(), 0U) << i;
+  }
+  splitter.feed(1.98);  // by 10 mrad
+  EXPECT_EQ(splitter.foreseen(), 200U);
+  splitter.feed(2.0);  // and goes on
+  EXPECT_EQ(splitter.foreseen(), 0U);
+}
+
+TEST(SweepSplitter, theEndOfATurnIsForeseenOneLineBeforeInBothSenses) {
+  for (const double sense : {1.0, -1.0}) {
+    std::vector<double> tilts;
+    for (int i = 0; i < 450; ++i) tilts.push_back(sense * (0.005 + 0.01 * M_PI * i));
+    const Foreseen result = foresee(SweepMotion::kHalfTurn, tilts);
+    EXPECT_EQ(result.right, 4);
+    EXPECT_EQ(result.wrong, 0);
+    EXPECT_EQ(result.fewest_lines_ahead, 1U);
+  }
+}
+
 TEST(SweepSplitter, restartForgetsTheOpenSweep) {
   SweepSplitter splitter(SweepMotion::kNodding, 0.02);
   for (int i = 0; i < 50; ++i) EXPECT_EQ(splitter.feed(0.01 * i), 0U);
   splitter.restart();
+  EXPECT_EQ(splitter.foreseen(), 0U);
   EXPECT_EQ(splitter.feed(0.0), 0U);  // far below the old extremum, yet no turn
   EXPECT_EQ(splitter.feed(0.01), 0U);
 }

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <future>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace ppc {
@@ -23,11 +24,11 @@ TEST(NewestWorker, NewestOfTheWaitingWins) {
     done.push_back(item);
     if (item == 4) finished.set_value();
   });
-  EXPECT_FALSE(worker.push(1));
+  EXPECT_FALSE(worker.push(1).has_value());
   started.get_future().wait();
-  EXPECT_FALSE(worker.push(2));
-  EXPECT_TRUE(worker.push(3));
-  EXPECT_TRUE(worker.push(4));
+  EXPECT_FALSE(worker.push(2).has_value());
+  EXPECT_EQ(worker.push(3), std::optional<int>(2));
+  EXPECT_EQ(worker.push(4), std::optional<int>(3));
   release.set_value();
   ASSERT_EQ(finished.get_future().wait_for(std::chrono::seconds(10)), std::future_status::ready);
   EXPECT_EQ(done, (std::vector<int>{1, 4}));
@@ -41,11 +42,32 @@ TEST(NewestWorker, ItemsOneByOneAreAllWorkedOn) {
       done.push_back(given);
       finished.set_value();
     });
-    EXPECT_FALSE(worker.push(item));
+    EXPECT_FALSE(worker.push(item).has_value());
     ASSERT_EQ(finished.get_future().wait_for(std::chrono::seconds(10)), std::future_status::ready);
   }
   ASSERT_EQ(done.size(), 100U);
   for (int item = 0; item < 100; ++item) EXPECT_EQ(done[static_cast<std::size_t>(item)], item);
+}
+
+TEST(NewestWorker, TakesWorkForIdleTimeOnlyIfThereIsNoOther) {
+  std::promise<void> started, release, finished;
+  std::vector<int> done;
+  NewestWorker<int> worker([&](const int& item) {
+    if (item == 1) {
+      started.set_value();
+      release.get_future().wait();
+    }
+    done.push_back(item);
+    if (item == 3) finished.set_value();
+  });
+  EXPECT_TRUE(worker.pushIfIdle(1));
+  started.get_future().wait();
+  EXPECT_FALSE(worker.pushIfIdle(2));  // one is in work
+  EXPECT_FALSE(worker.push(3).has_value());
+  EXPECT_FALSE(worker.pushIfIdle(4));  // and one waits, which stays
+  release.set_value();
+  ASSERT_EQ(finished.get_future().wait_for(std::chrono::seconds(10)), std::future_status::ready);
+  EXPECT_EQ(done, (std::vector<int>{1, 3}));
 }
 
 TEST(NewestWorker, EndsWithTheItemInWorkAndDropsTheWaiting) {

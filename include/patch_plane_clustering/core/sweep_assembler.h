@@ -10,6 +10,7 @@
 #include <deque>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace ppc {
@@ -54,6 +55,11 @@ class SweepAssembler {
   /// @param poses must outlive the assembler @param handler gets every completed sweep, from within the calls below
   SweepAssembler(const SweepOptions& options, PoseSource& poses, Handler handler);
 
+  /// @brief Asks for sweeps that seem to have ended, some lines before that is certain (SweepSplitter::foreseen()). One that
+  /// does end there comes to the handler of completed sweeps with the same image and stamp; others end elsewhere.
+  /// @param handler gets them, from within the calls below; their accounts are empty
+  void foresee(Handler handler) { foreseen_handler_ = std::move(handler); }
+
   /// @brief Takes a line and places what can be placed. @return what is wrong with the line (it is dropped then), or empty.
   std::string push(ScanLine line);
 
@@ -97,18 +103,21 @@ class SweepAssembler {
   bool followStanding(double tilt);
   void restart();
   int emit(std::size_t lines, SweepEnd reason);
+  bool assemble(std::size_t lines, Sweep& sweep) const;
+  void tellForeseen();
   void drop(DropCause cause, std::size_t lines = 1);
 
   SweepOptions options_;
   PoseSource& poses_;
-  Handler handler_;
+  Handler handler_, foreseen_handler_;
   SweepSplitter splitter_;
   LineAccounts accounts_;
   std::deque<WaitingLine> queue_;   // in ascending stamp
   std::vector<ScanLine> suspects_;  // lines from before last_placed_ that may mean a clock reset
   std::vector<PlacedLine> open_;
-  bool cut_ = false;    // the newest lines of the open sweep were taken back: no other may join it
-  double last_placed_;  // stamp of the last line that joined a sweep [s]
+  std::size_t told_ = 0;  // lines of the open sweep whose end was told to be foreseen last
+  bool cut_ = false;      // the newest lines of the open sweep were taken back: no other may join it
+  double last_placed_;    // stamp of the last line that joined a sweep [s]
   PoseStatus waits_for_ = PoseStatus::kReady;
   std::uint64_t jumps_ = 0;         // of the tilt, seen so far
   std::uint64_t clock_resets_ = 0;  // of the tilt's clock, seen so far

@@ -26,6 +26,11 @@ class SweepSplitter {
   /// next.
   std::size_t feed(double tilt);
 
+  /// @brief How many of the open sweep's lines, from its first, will form a sweep if what seems so is true; 0 = nothing
+  /// does. Nodding: that the tilt has turned, as it has come back by a quarter of the hysteresis. Spinning: that the next
+  /// line lies beyond the border, if it is as far from this one as this one is from the one before.
+  std::size_t foreseen() const { return foreseen_; }
+
   /// @brief Forgets the open sweep: the next line opens a new one.
   void restart();
 
@@ -40,7 +45,9 @@ class SweepSplitter {
   double lowest_ = 0.0;    // tilts of the open sweep
   double highest_ = 0.0;
   std::size_t turn_at_ = 0;  // index of the extremum in the direction of motion
-  double sector_ = 0.0;      // spinning: number of the half or full turn
+  std::size_t foreseen_ = 0;
+  double sector_ = 0.0;  // spinning: number of the half or full turn
+  double latest_ = 0.0;  // spinning: tilt of the line before
 };
 
 }  // namespace ppc

@@ -22,6 +22,7 @@ struct DriverOptions {
   double idle_timeout = 2.0;                        ///< wall time without a new row after which the sweep is closed [s]
   double sweep_timeout = 60.0;                      ///< wall time without a sweep after which diagnostics warn [s]
   double time_offset = 0.0;                         ///< added to the stamps of scans [s]
+  bool foresee = true;                              ///< publish sweeps that seem to have ended, before that is certain
   SweepOptions sweep;                               ///< motion, turn, turn_hysteresis, min_lines, ...
   TiltTrackOptions track;                           ///< max_joint_gap, max_joint_speed
 };

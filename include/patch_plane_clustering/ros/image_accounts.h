@@ -14,6 +14,7 @@ namespace ppc {
 struct ImageCounts {
   std::uint32_t received = 0;
   std::uint32_t segmented = 0;
+  std::uint32_t foreseen = 0;   ///< of these, before the end of their sweep was certain
   std::uint32_t refused = 0;    ///< contradict themselves, or too small for the configuration
   std::uint32_t overtaken = 0;  ///< a newer one came before their turn
   std::uint32_t lost = 0;       ///< never received, see SequenceWatch
@@ -25,7 +26,8 @@ class ImageAccounts {
  public:
   /// @param publisher node that sent it @param sequence header.seq
   void receive(const std::string& publisher, std::uint32_t sequence);
-  void segment(double milliseconds);
+  /// @param milliseconds from message to polygons @param foreseen segmented before it came
+  void segment(double milliseconds, bool foreseen);
   void refuse(const std::string& why);
   void overtake();
   ImageCounts counts() const;

@@ -31,16 +31,27 @@ class NewestWorker {
   NewestWorker(const NewestWorker&) = delete;
   NewestWorker& operator=(const NewestWorker&) = delete;
 
-  /// Hands over an item; never waits for work. @return true if it has overtaken one that waited, which is dropped.
-  bool push(Item item) {
-    bool overtaken = false;
+  /// Hands over an item; never waits for work. @return the one that waited, which it has overtaken, if there was one: nobody
+  /// will work on that.
+  std::optional<Item> push(Item item) {
+    std::optional<Item> overtaken(std::move(item));
     {
       const std::lock_guard<std::mutex> lock(mutex_);
-      overtaken = waiting_.has_value();
-      waiting_ = std::move(item);
+      std::swap(waiting_, overtaken);
     }
     changed_.notify_one();
     return overtaken;
+  }
+
+  /// Hands over an item unless there is other work: it neither waits nor overtakes. @return whether it was taken.
+  bool pushIfIdle(Item item) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (working_ || waiting_.has_value()) return false;
+      waiting_ = std::move(item);
+    }
+    changed_.notify_one();
+    return true;
   }
 
  private:
@@ -51,9 +62,11 @@ class NewestWorker {
       if (stopping_) return;
       const Item item = std::move(*waiting_);
       waiting_.reset();
+      working_ = true;
       lock.unlock();
       work_(item);
       lock.lock();
+      working_ = false;
     }
   }
 
@@ -61,7 +74,7 @@ class NewestWorker {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<Item> waiting_;
-  bool stopping_ = false;
+  bool working_ = false, stopping_ = false;
   std::thread thread_;  // last: it uses all of the above
 };
 
