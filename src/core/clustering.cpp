@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/parallel.h"
 #include "patch_plane_clustering/core/quantile.h"
+#include "patch_plane_clustering/core/running_plane.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,11 +27,11 @@ double excess(const Moments& a, const PlaneFit& fit_a, const Moments& b, const P
 }
 
 // Comparisons simpler than the default, so that what it buys can be measured.
-double plainSimilarity(const Patch& from, const Cluster& cluster, const Patch& patch, const NoiseModel& noise,
+double plainSimilarity(const Patch& from, const PlaneFit& cluster, const Patch& patch, const NoiseModel& noise,
                        const CoplanarityTolerance& tolerance, const PatchComparison& comparison) {
   if (!comparison.noise_aware) {
     const Eigen::Vector3d border = 0.5 * (from.moments.mean() + patch.moments.mean());
-    return fixedSimilarity(comparison.running_plane ? cluster.fit.a : from.fit.a, patch.fit.a, border, tolerance);
+    return fixedSimilarity(comparison.running_plane ? cluster.a : from.fit.a, patch.fit.a, border, tolerance);
   }
   const PlaneFit joint = fitPlane(from.moments + patch.moments);
   const double sigma = noise.sigma(patch.range);
@@ -217,8 +218,7 @@ void growClusters(const PatchGrid& grid, const NoiseModel& noise, const Coplanar
     if (grown(*next)) continue;
     const int id = static_cast<int>(out.clusters.size());
     Cluster cluster;
-    cluster.moments = grid.patches[seed].moments;
-    cluster.fit = grid.patches[seed].fit;
+    RunningPlane plane(grid.patches[seed].moments, grid.patches[seed].fit);
     out.cluster_of[seed] = id;
     cluster.begin = static_cast<int>(queue.size());
     queue.push_back(seed);
@@ -228,36 +228,31 @@ void growClusters(const PatchGrid& grid, const NoiseModel& noise, const Coplanar
       grid.forEachNeighbour(at, [&](int j) {
         const Patch& patch = grid.patches[j];
         if (!patch.planar || out.cluster_of[j] >= 0) return;
-        const Moments joint = cluster.moments + patch.moments;
-        const PlaneFit fit = fitPlane(joint);
         if (plain) {
-          if (plainSimilarity(from, cluster, patch, noise, tolerance, comparison) < threshold) return;
+          if (plainSimilarity(from, plane.fit(), patch, noise, tolerance, comparison) < threshold) return;
         } else {
           const double sigma = noise.sigma(patch.range);
           const CoplanarityTolerance local = tolerance.forNoise(sigma);
-          const double precision = std::min(patch.moments.n, cluster.moments.n) / (sigma * sigma);
-          const double cost = misfit(fit.chi2 - cluster.fit.chi2 - patch.fit.chi2, precision, radius[j],
-                                     secantSquared(fit.a, patch.range), local);
-          if (cost > greatest) return;
+          const double points = std::min(patch.moments.n, plane.moments().n);
+          if (!plane.suits({patch.moments, patch.fit, radius[j], patch.range, sigma, points}, local, greatest)) return;
           const int around = memory.around_of[j];
-          if (around >= 0 && cluster.moments.n > kClusterSizes * memory.around[around].moments.n) {
+          if (around >= 0 && plane.moments().n > kClusterSizes * memory.around[around].moments.n) {
             const Surroundings& wide = memory.around[around];
             CoplanarityTolerance of_wide = local;
             of_wide.inflation = wide.inflation;
-            const PlaneFit wide_fit = fitPlane(cluster.moments + wide.moments);
-            const double wide_cost =
-                misfit(wide_fit.chi2 - cluster.fit.chi2 - wide.fit.chi2, wide.moments.n / (sigma * sigma), wide.radius,
-                       secantSquared(wide_fit.a, patch.range), of_wide);
-            if (wide_cost > greatest) return;
+            const auto wide_points = static_cast<double>(wide.moments.n);
+            if (!plane.suits({wide.moments, wide.fit, wide.radius, patch.range, sigma, wide_points}, of_wide, greatest))
+              return;
           }
         }
-        cluster.moments = joint;
-        cluster.fit = fit;
+        plane.join(patch.moments);
         out.cluster_of[j] = id;
         queue.push_back(j);
       });
     }
     cluster.end = static_cast<int>(queue.size());
+    cluster.moments = plane.moments();
+    cluster.fit = plane.fit();
     out.clusters.push_back(cluster);
   }
 }

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/running_plane.h"
+
+namespace ppc {
+namespace {
+
+constexpr double kSurely = 0.7;  // of the greatest misfit: leaves room for a plane that lags behind
+constexpr int kMostGrowth = 16;  // inverse share of its points by which a cluster grows before its plane is fitted anew
+
+double misfitOf(double excess, const Eigen::Vector3d& a, const JoiningPiece& piece, const CoplanarityTolerance& tolerance) {
+  return misfit(excess, piece.points / (piece.sigma * piece.sigma), piece.radius, secantSquared(a, piece.range), tolerance);
+}
+
+}  // namespace
+
+const PlaneFit& RunningPlane::fit() {
+  if (moments_.n != fitted_points_) {
+    fit_ = fitPlane(moments_);
+    fitted_points_ = moments_.n;
+  }
+  return fit_;
+}
+
+bool RunningPlane::suits(const JoiningPiece& piece, const CoplanarityTolerance& tolerance, double greatest) {
+  if (moments_.n > piece.moments.n) {
+    const double alone = chiSquare(piece.moments, fit_.a) - piece.fit.chi2;
+    if (misfitOf(alone, fit_.a, piece, tolerance) < kSurely * greatest) return true;
+  }
+  const PlaneFit joint = fitPlane(moments_ + piece.moments);
+  return misfitOf(joint.chi2 - fit().chi2 - piece.fit.chi2, joint.a, piece, tolerance) <= greatest;
+}
+
+void RunningPlane::join(const Moments& piece) {
+  moments_ += piece;
+  if ((moments_.n - fitted_points_) * kMostGrowth > fitted_points_) fit();
+}
+
+}  // namespace ppc
