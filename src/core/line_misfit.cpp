@@ -2,6 +2,7 @@
 #include "patch_plane_clustering/core/line_misfit.h"
 
 #include "patch_plane_clustering/core/quantile.h"
+#include "patch_plane_clustering/core/weighted_median.h"
 
 #include <algorithm>
 #include <cmath>
@@ -60,20 +61,11 @@ double fitRange(const std::vector<LineSample>& samples, double turn, std::vector
 // The turn that makes the sum of the absolute errors least: a median of quotients, weighted with the slopes.
 double fitTurn(const std::vector<LineSample>& samples, double range, std::vector<std::pair<float, float>>& scratch) {
   scratch.clear();
-  float total = 0.0F;
   for (const LineSample& s : samples) {
     const float weight = std::abs(s.slope);
-    if (!(weight > 0.0F)) continue;
-    scratch.emplace_back((s.error - static_cast<float>(range)) / s.slope, weight);
-    total += weight;
+    if (weight > 0.0F) scratch.emplace_back((s.error - static_cast<float>(range)) / s.slope, weight);
   }
-  std::sort(scratch.begin(), scratch.end());
-  float below = 0.0F;
-  for (const auto& [turn, weight] : scratch) {
-    below += weight;
-    if (2.0F * below >= total) return turn;
-  }
-  return 0.0;
+  return weightedMedian(scratch);
 }
 
 void clearNoisySlopes(double angle, std::vector<LineSample>& samples, std::vector<float>& scratch) {
@@ -133,8 +125,10 @@ LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kin
   if (turns) clearNoisySlopes(span.angle, samples, scratch);
   double range = 0.0, turn = 0.0;  // the turn against the middle between the two
   for (int round = 0; round < (turns && ranges ? kRounds : 1); ++round) {
+    const double before = range;
     if (turns) turn = fitTurn(samples, range, memory.turns);
     if (ranges) range = fitRange(samples, turn, scratch);
+    if (range == before) break;  // another round would find the same
   }
   misfit.spread = spreadOf(samples, range, turn, scratch);
   if (turns) misfit.between = medianOf(samples, scratch, [](const LineSample& s) { return s.between; });
