@@ -46,10 +46,12 @@ void OutlineExcess::setPoints(const OutlinePoint* points, std::size_t size) {
   for (std::size_t i = 0; i < size; ++i) {
     const OutlinePoint& p = points[i];
     double* out = columns_.data() + i;
-    for (const double value : {p.point.x(), p.point.y(), p.row_step.x(), p.row_step.y(), p.col_step.x(), p.col_step.y()}) {
-      *out = value;
-      out += stride_;
-    }
+    out[0] = p.point.x();
+    out[stride_] = p.point.y();
+    out[2 * stride_] = p.row_step.x();
+    out[3 * stride_] = p.row_step.y();
+    out[4 * stride_] = p.col_step.x();
+    out[5 * stride_] = p.col_step.y();
   }
   for (std::size_t column = 1; column <= 6; ++column) columns_[column * stride_ - 1] = 0.0;
   const std::size_t rough_stride = stride_ + kLanes;

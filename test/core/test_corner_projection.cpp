@@ -71,12 +71,12 @@ TEST_P(CornerProjectionOf, CornersHitThePlaneWhereTheirBeamsDo) {
     const double row = corners[i].row - 0.5 + 0.25 * corners[i].pull_row,
                  col = corners[i].col - 0.5 + 0.25 * corners[i].pull_col;
     const Eigen::Vector3d expected = hit(scene.grid, scene.region.plane, row, col);
-    EXPECT_LT((projection.lift(points[i].point) - expected).norm(), 1e-9) << "corner " << i;
+    EXPECT_LT((projection.lift(points[i].point) - expected).norm(), 1e-8) << "corner " << i;
     constexpr double kSmall = 1e-5;  // pixels, within which the beams are linear between the same four
     const Eigen::Vector3d above = hit(scene.grid, scene.region.plane, row + kSmall, col);
     const Eigen::Vector3d beside = hit(scene.grid, scene.region.plane, row, col + kSmall);
-    const Eigen::Vector3d row_step = projection.lift(points[i].row_step) - projection.lift({0.0, 0.0});
-    const Eigen::Vector3d col_step = projection.lift(points[i].col_step) - projection.lift({0.0, 0.0});
+    const Eigen::Vector3d row_step = projection.lift(points[i].row_step.cast<double>()) - projection.lift({0.0, 0.0});
+    const Eigen::Vector3d col_step = projection.lift(points[i].col_step.cast<double>()) - projection.lift({0.0, 0.0});
     EXPECT_LT((row_step - (above - expected) / kSmall).norm(), 1e-5) << "corner " << i;
     EXPECT_LT((col_step - (beside - expected) / kSmall).norm(), 1e-5) << "corner " << i;
   }

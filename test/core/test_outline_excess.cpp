@@ -20,7 +20,8 @@ double reference(const OutlinePoint& p, const Eigen::Vector2d& from, const Eigen
   double allowed = tolerance.metres;
   if (distance > 0.5 * tolerance.metres) {
     const Eigen::Vector2d unit = away / distance;
-    allowed = std::max(allowed, tolerance.pixels * (std::abs(unit.dot(p.row_step)) + std::abs(unit.dot(p.col_step))));
+    allowed = std::max(allowed, tolerance.pixels * (std::abs(unit.dot(p.row_step.cast<double>())) +
+                                                    std::abs(unit.dot(p.col_step.cast<double>()))));
   }
   return distance * distance / (allowed * allowed);
 }
@@ -31,8 +32,8 @@ std::vector<OutlinePoint> randomOutline(int size) {
   std::vector<OutlinePoint> points(static_cast<std::size_t>(size));
   for (OutlinePoint& p : points) {
     p.point = {spread(random), 0.1 * spread(random)};
-    p.row_step = {0.05 * spread(random), 0.05 * spread(random)};
-    p.col_step = {0.05 * spread(random), 0.05 * spread(random)};
+    p.row_step = Eigen::Vector2d(0.05 * spread(random), 0.05 * spread(random)).cast<float>();
+    p.col_step = Eigen::Vector2d(0.05 * spread(random), 0.05 * spread(random)).cast<float>();
   }
   return points;
 }
@@ -40,16 +41,16 @@ std::vector<OutlinePoint> randomOutline(int size) {
 TEST(OutlineExcess, IsSquareOfDistanceOverTolerance) {
   const OutlinePoint point{{0.5, 0.06}, {0.0, 0.0}, {0.0, 0.0}};
   const OutlineExcess excess(&point, 1, {0.02, 1.0});
-  EXPECT_NEAR(excess.at(0, {0, 0}, {1, 0}), 9.0, 1e-9);
-  EXPECT_NEAR(excess.at(0, {0, 0}, {0, 0}), (0.25 + 0.0036) / 0.0004, 1e-9);  // an edge without length is a point
+  EXPECT_NEAR(excess.at(0, {0, 0}, {1, 0}), 9.0, 1e-6);
+  EXPECT_NEAR(excess.at(0, {0, 0}, {0, 0}), (0.25 + 0.0036) / 0.0004, 1e-6);  // an edge without length is a point
   EXPECT_EQ(excess.at(0, {0.5, 0.06}, {0.5, 0.06}), 0.0);
 }
 
 TEST(OutlineExcess, FootprintWidensTheTolerance) {
   const OutlinePoint point{{0.5, 0.06}, {0.0, 0.03}, {0.1, 0.0}};  // 3 cm across the edge
-  EXPECT_NEAR(OutlineExcess(&point, 1, {0.02, 1.0}).at(0, {0, 0}, {1, 0}), 4.0, 1e-9);
-  EXPECT_NEAR(OutlineExcess(&point, 1, {0.02, 2.0}).at(0, {0, 0}, {1, 0}), 1.0, 1e-9);
-  EXPECT_NEAR(OutlineExcess(&point, 1, {0.2, 2.0}).at(0, {0, 0}, {1, 0}), 0.09, 1e-9);  // close by, it does not count
+  EXPECT_NEAR(OutlineExcess(&point, 1, {0.02, 1.0}).at(0, {0, 0}, {1, 0}), 4.0, 1e-6);
+  EXPECT_NEAR(OutlineExcess(&point, 1, {0.02, 2.0}).at(0, {0, 0}, {1, 0}), 1.0, 1e-6);
+  EXPECT_NEAR(OutlineExcess(&point, 1, {0.2, 2.0}).at(0, {0, 0}, {1, 0}), 0.09, 1e-6);  // close by, it does not count
 }
 
 TEST(OutlineExcess, FarthestAgreesWithReference) {

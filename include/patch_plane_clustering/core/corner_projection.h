@@ -12,8 +12,8 @@ namespace ppc {
 /// @brief A corner of an outline on its plane, in the plane's own coordinates [m].
 struct OutlinePoint {
   Eigen::Vector2d point = Eigen::Vector2d::Zero();
-  Eigen::Vector2d row_step = Eigen::Vector2d::Zero();  ///< how far the point moves from one row to the next: the sides of
-  Eigen::Vector2d col_step = Eigen::Vector2d::Zero();  ///< the pixel's footprint
+  Eigen::Vector2f row_step = Eigen::Vector2f::Zero();  ///< how far the point moves from one row to the next: the sides of
+  Eigen::Vector2f col_step = Eigen::Vector2f::Zero();  ///< the pixel's footprint
 };
 
 /// @brief Casts the pixel corners of one region onto its plane.
@@ -44,19 +44,19 @@ class CornerProjection {
   Eigen::Vector3d lift(const Eigen::Vector2d& p) const { return centre_ + p.x() * axis_x_ + p.y() * axis_y_; }
 
  private:
-  struct PlacePair;
-  void place(const PixelCorner& corner, int k, PlacePair& out);
-  void projectPair(const PlacePair& at, int count, OutlinePoint* out);
-  void measureAround(const int (&pixels)[4]);
+  template <bool kOneColumn>
+  void projectFour(const PixelCorner* corners, int count, OutlinePoint* out);
 
   const BeamGrid& grid_;
   const LabelImage& labels_;
   const PlanarRegion& region_;
-  const float* directions_[3];
-  const float* origins_[3];
   Eigen::Vector3d centre_, axis_x_, axis_y_;
+  struct {
+    Eigen::Vector3f axis_x, axis_y, normal;
+  } single_;  // in single precision
   std::size_t limited_ = 0;
-  double shortest_, longest_;  // range measured around the last corner [m]
+  double centre_x_, centre_y_;  // of the frame's origin, along the axes
+  float shortest_, longest_;    // range measured around the last corner [m]
 };
 
 }  // namespace ppc
