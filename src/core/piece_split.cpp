@@ -25,14 +25,13 @@ std::int32_t splitRow(const std::int32_t* mask, const int* above, const int* bel
   return found;
 }
 
-// Which stretches of kStride columns of a row of the mask have pixels.
-void findBusy(const std::int32_t* mask, int cols, std::vector<char>& busy) {
-  char* out = busy.data();
+// Marks which stretches of kStride columns of a row of the mask have pixels.
+void markBusy(const std::int32_t* mask, int cols, char* busy) {
   int c = 0;
-  for (; c + kStride <= cols; c += kStride) {
-    *out++ = anyLane(loadLanes<LaneMask>(mask + c) | loadLanes<LaneMask>(mask + c + kLanes)) ? 1 : 0;
+  for (; c + kStride <= cols; c += kStride, ++busy) {
+    if (anyLane(loadLanes<LaneMask>(mask + c) | loadLanes<LaneMask>(mask + c + kLanes))) *busy = 1;
   }
-  if (c < cols) *out = std::any_of(mask + c, mask + cols, [](std::int32_t inside) { return inside != 0; }) ? 1 : 0;
+  if (c < cols && std::any_of(mask + c, mask + cols, [](std::int32_t inside) { return inside != 0; })) *busy = 1;
 }
 
 }  // namespace
@@ -85,49 +84,53 @@ void maskPiece(const std::vector<PixelCorner>& corners, const PixelPiece& rings,
 }
 
 bool splitAtFolds(const CornerProjection& projection, PieceMask& mask, FoldMemory& memory) {
-  const int rows = mask.labels.rows, cols = mask.labels.cols;
-  std::vector<int>&above = memory.above, &below = memory.below;
-  std::vector<char>&busy_above = memory.busy_above, &busy_below = memory.busy_below;
-  above.assign(static_cast<std::size_t>(cols) + 1, 0);
-  below.assign(above.size(), 0);
-  busy_above.assign(static_cast<std::size_t>((cols + kStride - 1) / kStride), 0);
-  busy_below.assign(busy_above.size(), 0);
-  // Folds are long and few: in between two corners of one sign a few columns apart there is none. Corners of no pixel of the
-  // mask do not matter.
-  const auto fill = [&](int row, std::vector<int>& signs) {
-    const auto sign = [&](int c) { return projection.handedness(mask.row + row, mask.col + c); };
-    bool known = false;  // the sign at `from`
-    for (int k = 0, from = 0; from < cols; ++k, from += kStride) {
-      if ((busy_above[k] | busy_below[k]) == 0) {
-        known = false;
-        continue;
-      }
-      const int to = std::min(from + kStride, cols);
-      if (!known) signs[from] = sign(from);
-      signs[to] = sign(to);
-      known = true;
-      if (signs[from] == signs[to]) {
-        std::fill(signs.begin() + from + 1, signs.begin() + to, signs[to]);
-      } else {
-        for (int c = from + 1; c < to; ++c) signs[c] = sign(c);
-      }
-    }
-  };
+  const int rows = mask.labels.rows, cols = mask.labels.cols, blocks = (cols + kStride - 1) / kStride;
+  const std::int32_t* const pixels = mask.labels.labels.data();
   std::vector<std::int32_t>& split = memory.split;
   split.resize(mask.labels.labels.size());
+  const auto sign = [&](int row, int col) { return projection.handedness(mask.row + row, mask.col + col); };
+  // Signs of the corners of blocks, above and below a row of them: looked for where they are asked for.
+  constexpr int kUnknown = 2;
+  std::vector<int>&above = memory.above, &below = memory.below;
+  below.assign(static_cast<std::size_t>(blocks) + 1, kUnknown);
+  const auto look = [&](std::vector<int>& signs, int row, int block) {
+    if (signs[block] == kUnknown) signs[block] = sign(row, std::min(block * kStride, cols));
+    return signs[block];
+  };
   std::int32_t found = 0;
-  for (int r = 0; r <= rows; ++r) {
-    const std::int32_t* const pixels = mask.labels.labels.data() + static_cast<std::ptrdiff_t>(r) * cols;
-    busy_above.swap(busy_below);
-    if (r < rows) {
-      findBusy(pixels, cols, busy_below);
-    } else {
-      std::fill(busy_below.begin(), busy_below.end(), 0);
-    }
+  for (int top = 0; top < rows; top += kStride) {
+    const int bottom = std::min(top + kStride, rows);
+    memory.busy.assign(static_cast<std::size_t>(blocks), 0);
+    for (int r = top; r < bottom; ++r) markBusy(pixels + static_cast<std::ptrdiff_t>(r) * cols, cols, memory.busy.data());
     above.swap(below);
-    fill(r, below);
-    if (r == 0) continue;
-    found |= splitRow(pixels - cols, above.data(), below.data(), cols, &split[static_cast<std::size_t>(r - 1) * cols]);
+    below.assign(above.size(), kUnknown);
+    for (int k = 0; k < blocks; ++k) {
+      const int left = k * kStride, width = std::min(kStride, cols - left);
+      const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(top) * cols + left;
+      // Folds are long and few: in between four corners of one sign a few pixels apart there is none. Corners of no pixel of
+      // the mask do not matter.
+      const bool busy = memory.busy[k] != 0;
+      const int one = busy ? look(above, top, k) : 0;
+      if (!busy || (look(above, top, k + 1) == one && look(below, bottom, k) == one && look(below, bottom, k + 1) == one)) {
+        const std::int32_t label = one > 0 ? 1 : (one < 0 ? 2 : 0);
+        found |= label;
+        for (int r = top; r < bottom; ++r) {
+          const std::ptrdiff_t row = first + static_cast<std::ptrdiff_t>(r - top) * cols;
+          for (int c = 0; c < width; ++c) split[row + c] = pixels[row + c] * label;
+        }
+        continue;
+      }
+      int signs[2][kStride + 1];
+      const auto fill = [&](int row) {
+        for (int c = 0; c <= width; ++c) signs[row & 1][c] = sign(row, left + c);
+      };
+      fill(top);
+      for (int r = top; r < bottom; ++r) {
+        const std::ptrdiff_t row = first + static_cast<std::ptrdiff_t>(r - top) * cols;
+        fill(r + 1);
+        found |= splitRow(pixels + row, signs[r & 1], signs[(r + 1) & 1], width, split.data() + row);
+      }
+    }
   }
   if (found != 3) return false;
   mask.labels.labels.swap(split);

@@ -31,6 +31,9 @@ constexpr double kEdgeOn = 1.0 / 3.0;
 // A loop of an outline may be cut off if it encloses no more than this share of the outline's area.
 constexpr double kLoopShare = 2e-3;
 
+// An outline folds if both of its loops enclose more than this share of the larger one's area: none that could be cut off.
+constexpr double kFold = 10.0 * kLoopShare;
+
 // Smallest area of a polygon [m^2].
 constexpr double kMinArea = 1e-8;
 
@@ -61,7 +64,8 @@ class RegionOutliner {
     }
     const std::size_t outer_corners = rings.outer().end - rings.outer().begin;
     PolygonPiece& piece = memory_.pieces.add();
-    bool made = makePiece(outlines, tolerance_, memory_.piece, piece) || makePieceWithoutLoops(piece);
+    const bool folded = cuts == 0 && foldsOver(outlines[0], kFold);
+    bool made = !folded && (makePiece(outlines, tolerance_, memory_.piece, piece) || makePieceWithoutLoops(piece));
     if (!made && static_cast<double>(limited) > kEdgeOn * static_cast<double>(outer_corners)) {
       maskPiece(corners, rings, memory_.mask);
       outlines.clear();

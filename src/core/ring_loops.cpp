@@ -33,6 +33,38 @@ void dropRepeats(std::vector<OutlinePoint>& ring) {
   ring.resize(kept);
 }
 
+bool foldsOver(const std::vector<OutlinePoint>& ring, double share) {
+  const std::size_t n = ring.size();
+  const auto right = [](const OutlinePoint& p) { return p.row_step.x() * p.col_step.y() > p.row_step.y() * p.col_step.x(); };
+  std::size_t first = 1;
+  while (first < n && right(ring[first]) == right(ring[0])) ++first;
+  if (first >= n) return false;
+  // Twice the areas of stretches of one handedness, each closed by its chord, and of the whole ring.
+  const Eigen::Vector2d& origin = ring[first].point;
+  const auto twice = [&](const Eigen::Vector2d& p, const Eigen::Vector2d& q) {
+    const Eigen::Vector2d a = p - origin, b = q - origin;
+    return a.x() * b.y() - a.y() * b.x();
+  };
+  double of_side[2] = {0.0, 0.0}, whole = 0.0;
+  std::size_t begin = first;
+  for (std::size_t k = 0, i = first; k < n; ++k) {
+    const std::size_t next = i + 1 == n ? 0 : i + 1;
+    const double area = twice(ring[i].point, ring[next].point);
+    const bool side = right(ring[i]);
+    whole += area;
+    if (right(ring[next]) == side) {
+      of_side[side ? 1 : 0] += area;
+    } else {
+      of_side[side ? 1 : 0] += twice(ring[i].point, ring[begin].point);
+      begin = next;
+    }
+    i = next;
+  }
+  const double less = std::min(std::abs(of_side[0]), std::abs(of_side[1]));
+  const double more = std::max(std::abs(of_side[0]), std::abs(of_side[1]));
+  return of_side[0] * of_side[1] < 0.0 && less > share * more && std::abs(whole - of_side[0] - of_side[1]) < 0.1 * less;
+}
+
 bool cutLoops(std::vector<OutlinePoint>& ring, double max_area, LoopMemory& memory) {
   std::vector<Eigen::Vector2d>& positions = memory.positions;
   std::vector<RingLoop>& loops = memory.loops;

@@ -5,6 +5,8 @@
 #include "patch_plane_clustering/core/ring_simplification.h"
 
 #include <gtest/gtest.h>
+#include <algorithm>
+#include <vector>
 
 namespace ppc {
 namespace {
@@ -21,6 +23,38 @@ std::vector<Eigen::Vector2d> pointsOf(const std::vector<OutlinePoint>& ring) {
   std::vector<Eigen::Vector2d> points;
   for (const OutlinePoint& p : ring) points.push_back(p.point);
   return points;
+}
+
+// Outline of -1 < v < 1 and from < u < 1 where (u, v) lies at (u, u v), as lines that meet at u = 0.
+std::vector<OutlinePoint> throughPole(double from) {
+  constexpr int kSteps = 20;
+  std::vector<OutlinePoint> ring;
+  const auto add = [&](double u, double v) {
+    ring.push_back({{u, u * v}, Eigen::Vector2d(0.0, u).cast<float>(), Eigen::Vector2d(1.0, v).cast<float>()});
+  };
+  for (int k = 0; k < kSteps; ++k) add(from + (1.0 - from) * k / kSteps, -1.0);
+  for (int k = 0; k < kSteps; ++k) add(1.0, -1.0 + 2.0 * k / kSteps);
+  for (int k = 0; k < kSteps; ++k) add(1.0 - (1.0 - from) * k / kSteps, 1.0);
+  for (int k = 0; k < kSteps; ++k) add(from, 1.0 - 2.0 * k / kSteps);
+  return ring;
+}
+
+TEST(RingLoops, RingThroughThePoleFoldsOver) {
+  EXPECT_TRUE(foldsOver(throughPole(-1.0), 0.02));
+  EXPECT_TRUE(foldsOver(throughPole(-0.213), 0.02));  // 0.045 of the larger loop
+  EXPECT_FALSE(foldsOver(throughPole(-0.1), 0.02));   // 0.01
+  EXPECT_FALSE(foldsOver(throughPole(0.1), 0.0));
+  std::vector<OutlinePoint> ring = throughPole(-1.0);
+  std::rotate(ring.begin(), ring.begin() + 17, ring.end());
+  EXPECT_TRUE(foldsOver(ring, 0.02));
+  std::reverse(ring.begin(), ring.end());
+  EXPECT_TRUE(foldsOver(ring, 0.02));
+}
+
+TEST(RingLoops, RingOfTwoHandsWithoutANarrowPlaceDoesNotFoldOver) {
+  std::vector<OutlinePoint> ring = throughPole(0.0);
+  for (std::size_t i = 0; i < 15; ++i) ring[i].row_step = -ring[i].row_step;  // footprints alone do not make a fold
+  EXPECT_FALSE(foldsOver(ring, 0.02));
 }
 
 TEST(RingLoops, SimpleRingStays) {

@@ -35,8 +35,8 @@ struct PixelPieces {
 
 /// @brief Working memory of splitAtFolds().
 struct FoldMemory {
-  std::vector<int> above, below;             ///< signs of a row of corners
-  std::vector<char> busy_above, busy_below;  ///< stretches of columns with pixels of the mask
+  std::vector<int> above, below;  ///< signs of corners of blocks
+  std::vector<char> busy;         ///< blocks with pixels of the mask
   std::vector<std::int32_t> split;
 };
 

@@ -29,6 +29,12 @@ struct LoopMemory {
 /// @brief Leaves out points that coincide with the one before (at the pole all lines meet).
 void dropRepeats(std::vector<OutlinePoint>& ring);
 
+/// @brief Whether a ring is a figure of eight, as that of a piece through the pole of a scan: the image lies the other way
+/// round on the plane in one of two loops, which meet at a narrow place and enclose opposite areas. Steps of the corners
+/// tell in one pass, where the search for edges that meet takes many.
+/// @param share the smaller loop has at least this share of the area of the larger one.
+bool foldsOver(const std::vector<OutlinePoint>& ring, double share);
+
 /// @brief Cuts off the loops and spikes at which a ring of corners meets itself, as long as they enclose next to nothing.
 ///
 /// Where beams graze the plane, or lines nearly coincide at the pole, noise puts neighbouring corners into the wrong order:
