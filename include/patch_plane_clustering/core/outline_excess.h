@@ -23,8 +23,9 @@ struct OutlineTolerance {
 ///
 /// The excess of a corner is the square of its distance from the edge (a segment) over that of its tolerance there; above 1
 /// it is too far. Footprints do not count for corners within half the tolerance in metres. The search for the farthest
-/// corner is where the simplification of outlines spends its time: it works on a copy of the corners in columns, two corners
-/// at a time, and leaves out those that single precision, four at a time, tells to be near enough.
+/// corner is where the simplification of outlines spends its time: it works on a copy of the corners in columns, four
+/// corners at a time in single precision, and looks again, in double precision, where one may be farther than the farthest
+/// so far.
 class OutlineExcess {
  public:
   OutlineExcess() = default;
@@ -52,14 +53,16 @@ class OutlineExcess {
   struct Edge;
   struct RoughEdge;
   RoughEdge roughly(const Edge& edge) const;
-  bool anyFarther(std::size_t begin, std::size_t count, const RoughEdge& edge, float distance2) const;
+  struct Limits;
+  Limits limitsOf(double excess, const RoughEdge& edge) const;
+  bool anyFarther(std::size_t begin, std::size_t count, const RoughEdge& edge, const Limits& limits) const;
   void fill(std::size_t begin, std::size_t count, const Edge& edge, double* excess) const;
 
   std::size_t size_ = 0, stride_ = 0;
   double metres2_ = 0.0, pixels_ = 0.0;
-  std::vector<double> columns_;  // x, y of the points, of their row steps and of their column steps
+  std::vector<double> exact_;  // x, y of the points
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
-  std::vector<float> rough_;  // x, y of the points about the origin
+  std::vector<float> rough_;  // x, y of the points about the origin, of their row steps and of their column steps
   float reach_ = 0.0F;        // the largest of these
 };
 
