@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 #include <numeric>
 
 namespace ppc {
@@ -23,6 +24,18 @@ std::int32_t splitRow(const std::int32_t* mask, const int* above, const int* bel
     found |= split[c];
   }
   return found;
+}
+
+// Up to kStride pixels of a mask of ones and zeros become `label` where they were 1.
+void nameRow(const std::int32_t* mask, int cols, std::int32_t label, std::int32_t* out) {
+  if (cols < kStride) {
+    for (int c = 0; c < cols; ++c) out[c] = mask[c] * label;
+    return;
+  }
+  for (int c = 0; c < kStride; c += kLanes) {
+    const LaneMask named = fillMask(label) & -loadLanes<LaneMask>(mask + c);
+    std::memcpy(out + c, &named, sizeof named);
+  }
 }
 
 // Marks which stretches of kStride columns of a row of the mask have pixels.
@@ -116,7 +129,7 @@ bool splitAtFolds(const CornerProjection& projection, PieceMask& mask, FoldMemor
         found |= label;
         for (int r = top; r < bottom; ++r) {
           const std::ptrdiff_t row = first + static_cast<std::ptrdiff_t>(r - top) * cols;
-          for (int c = 0; c < width; ++c) split[row + c] = pixels[row + c] * label;
+          nameRow(pixels + row, width, label, split.data() + row);
         }
         continue;
       }

@@ -25,9 +25,10 @@ void dropRepeats(std::vector<OutlinePoint>& ring) {
   const auto apart = [](const OutlinePoint& a, const OutlinePoint& b) {
     return (a.point - b.point).squaredNorm() > 4.0 * kRingClearance * kRingClearance;
   };
-  std::size_t kept = 0;
-  for (const OutlinePoint& p : ring) {
-    if (kept == 0 || apart(ring[kept - 1], p)) ring[kept++] = p;
+  std::size_t kept = std::min<std::size_t>(1, ring.size());
+  while (kept < ring.size() && apart(ring[kept - 1], ring[kept])) ++kept;  // these stay where they are
+  for (std::size_t i = kept; i < ring.size(); ++i) {
+    if (apart(ring[kept - 1], ring[i])) ring[kept++] = ring[i];
   }
   while (kept > 1 && !apart(ring[kept - 1], ring.front())) --kept;
   ring.resize(kept);
