@@ -3,7 +3,7 @@
 
 #include <sensor_msgs/image_encodings.h>
 #include <algorithm>
-#include <cstring>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 
@@ -69,8 +69,9 @@ sensor_msgs::Image toLabelImage(const LabelImage& labels, const std_msgs::Header
   image.width = static_cast<std::uint32_t>(labels.cols);
   image.encoding = sensor_msgs::image_encodings::TYPE_32SC1;
   image.step = image.width * sizeof(std::int32_t);
-  image.data.resize(labels.labels.size() * sizeof(std::int32_t));
-  if (!labels.labels.empty()) std::memcpy(image.data.data(), labels.labels.data(), image.data.size());
+  // Bytes of a vector are cleared when it is resized: here they are only written.
+  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(labels.labels.data());
+  image.data.assign(bytes, bytes + labels.labels.size() * sizeof(std::int32_t));
   return image;
 }
 
