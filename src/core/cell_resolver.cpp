@@ -2,6 +2,7 @@
 #include "patch_plane_clustering/core/cell_resolver.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -44,8 +45,28 @@ CellResiduals CellResolver::residuals(const CellNoise& noise, std::int32_t label
   return CellResiduals(noise, center_, planes_[label].cast<float>());
 }
 
+// From the sums of the cell alone, so that the pixels of most cells need not be read. With ranges r, m of the point and of
+// the plane, an outlier adds (|a . p_0| r (r - m) / (m sigma))^2 to chi-square, where p_0 is on the plane and counted from
+// the beam's start; if no range is below half the mean, that is least for r just short of the plane.
+bool CellResolver::mayHaveOutliers(const Patch& cell, std::int32_t label, int middle) const {
+  constexpr double kMargin = 0.9;  // for rounding, and starts of beams that differ within the cell
+  const Moments& m = cell.moments;
+  const double range = cell.range, patch_sigma = noise_.sigma(range), weighed = patch_sigma * patch_sigma;
+  const double spread = m.w * weighed - m.n * range * range;  // sum of squared differences from the mean range
+  const double sigma = noise_.sigma(grid_.range[middle]), distance = tolerance_.forNoise(sigma).sigma_distance;
+  const double limit2 = kMaxInnerResidual * (sigma * sigma + distance * distance);
+  const double limit = std::sqrt(limit2);
+  if (!(spread < 0.25 * range * range) || !(limit < 0.25 * range)) return true;
+  double ahead = 1.0;
+  if (!grid_.origin_x.empty()) ahead += planes_[label].dot(cells_.center - grid_.origin(middle).cast<double>());
+  const double shrunk = ahead / (1.0 + 2.0 * limit / range);
+  return !(ahead > 0.5 && chiSquare(m, planes_[label]) * weighed < kMargin * shrunk * shrunk * limit2);
+}
+
 bool CellResolver::clearOutliers(const Patch& cell, std::int32_t label, LabelImage& out) const {
-  const CellResiduals squared = residuals(noiseOf(middlePixel(grid_, cell)), label);
+  const int middle = middlePixel(grid_, cell);
+  if (!mayHaveOutliers(cell, label, middle)) return false;  // as in most cells
+  const CellResiduals squared = residuals(noiseOf(middle), label);
   const CellResiduals::Limit limit(squared, kMaxInnerResidual);
   LaneMask suspected = {};
   const int rows = cell.row_end - cell.row_begin;
@@ -56,7 +77,7 @@ bool CellResolver::clearOutliers(const Patch& cell, std::int32_t label, LabelIma
       suspected |= limit.mayExceed(count >= kLanes ? BeamLanes(grid_, i) : BeamLanes(grid_, i, count));
     }
   }
-  if (!anyLane(suspected)) return false;  // as in most cells
+  if (!anyLane(suspected)) return false;
   bool any = false;
   for (int r = cell.row_begin; r < cell.row_end; ++r) {
     for (int c = cell.col_begin; c < cell.col_end; c += kLanes) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/cell_resolver.h"
+#include "patch_plane_clustering/core/clustering.h"
 
 #include "analytic_scenes.h"
 
@@ -132,7 +133,8 @@ INSTANTIATE_TEST_SUITE_P(Widths, CellsOf, ::testing::Values(2, 3, 4, 5, 7, 8));
 
 TEST(CellResolver, ClearsExactlyTheOutliersOfACell) {
   const Walls walls(12, 32);
-  const PatchGrid cells = makePatchGrid(walls.grid, 4, false);
+  PatchGrid cells = makePatchGrid(walls.grid, 4, false);
+  weighPatches(kNoise, cells);
   const CellResolver resolver(walls.grid, cells, walls.planes, kNoise, kTolerance);
   int cleared = 0;
   for (const Patch& cell : cells.patches) {
@@ -156,6 +158,32 @@ TEST(CellResolver, ClearsExactlyTheOutliersOfACell) {
   }
   EXPECT_GT(cleared, 5);
   EXPECT_LT(cleared, static_cast<int>(cells.patches.size()) - 5);
+}
+
+// The sums of a cell alone must not hide it, whether it lies near the sensor, just off the wall or far behind.
+TEST(CellResolver, ClearsASingleOutlierWhereverItLies) {
+  const Eigen::Vector3d normal(-1.0, 2.0, 0.2);
+  BeamGrid clean = forwardBeams(4, 4, 0.01);
+  scan({wall(normal, -2.0)}, clean);
+  const std::vector<Eigen::Vector3d> planes = {Eigen::Vector3d::Zero(), normal / -2.0};
+  const double sigma = kNoise.sigma(clean.range[5]), distance = kTolerance.forNoise(sigma).sigma_distance;
+  const double along = planes[1].dot(clean.direction(8).cast<double>());  // the middle
+  const double limit = 6.0 * std::sqrt(sigma * sigma + distance * distance * planes[1].squaredNorm() / (along * along));
+  const double range = clean.range[5];
+  const auto isCleared = [&](double at) {
+    BeamGrid grid = clean;
+    grid.range[5] = static_cast<float>(at);
+    PatchGrid cells = makePatchGrid(grid, 4, false);
+    weighPatches(kNoise, cells);
+    LabelImage labels{4, 4, std::vector<std::int32_t>(16, 1)};
+    const bool any = CellResolver(grid, cells, planes, kNoise, kTolerance).clearOutliers(cells.patches[0], 1, labels);
+    EXPECT_EQ(any, labels.labels[5] == 0);
+    return any;
+  };
+  for (const double at : {0.001, 0.02, 0.1, 0.3 * range, 0.9 * range, range - 1.02 * limit, range + 1.02 * limit, 40.0}) {
+    EXPECT_TRUE(isCleared(at)) << at << " of " << range;
+  }
+  for (const double at : {range - 0.98 * limit, range, range + 0.98 * limit}) EXPECT_FALSE(isCleared(at)) << at;
 }
 
 }  // namespace
