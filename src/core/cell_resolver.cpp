@@ -93,6 +93,22 @@ bool CellResolver::clearOutliers(const Patch& cell, std::int32_t label, LabelIma
   return any;
 }
 
+void CellResolver::prefetch(const Patch& cell) const {
+  const int reach = reachOf(cell);
+  const int begin = std::max(0, cell.row_begin - reach), end = std::min(grid_.rows, cell.row_end + reach);
+  const auto fetch = [&](const std::vector<float>& from) {
+    if (from.empty()) return;
+    const float* at = from.data() + grid_.index(begin, cell.col_begin);
+    for (int row = begin; row < end; ++row, at += grid_.cols) __builtin_prefetch(at);
+  };
+  for (const auto* from : {&grid_.range, &grid_.dir_x, &grid_.dir_y, &grid_.dir_z}) fetch(*from);
+  for (const auto* from : {&grid_.origin_x, &grid_.origin_y, &grid_.origin_z}) fetch(*from);
+}
+
+int CellResolver::reachOf(const Patch& cell) const {
+  return std::max(1, cells_.strip_rows[cell.col_begin / cells_.strip_cols] / cells_.strip_cols);
+}
+
 bool CellResolver::resolve(const Patch& cell, const std::vector<std::int32_t>& candidates, std::int32_t first_open,
                            bool keep, LabelImage& out) {
   const int pixel = middlePixel(grid_, cell);
@@ -117,7 +133,7 @@ bool CellResolver::resolve(const Patch& cell, const std::vector<std::int32_t>& c
 }
 
 void CellResolver::layOut(const Patch& cell) {
-  reach_ = std::max(1, cells_.strip_rows[cell.col_begin / cells_.strip_cols] / cells_.strip_cols);
+  reach_ = reachOf(cell);
   top_ = cell.row_begin - reach_;
   last_ = cell.row_end - top_;
   const auto rows = static_cast<std::size_t>(last_ + reach_), all = candidates_.size() * rows;

@@ -14,16 +14,16 @@ namespace {
 // Finds the labels of patches within two steps of a patch, itself included.
 class Neighbourhood {
  public:
-  /// @param only see onlyLabels().
-  Neighbourhood(const PatchGrid& patches, const CellShares& shares, const std::vector<std::int32_t>& only)
-      : patches_(patches), shares_(shares), only_(only), reached_(patches.patches.size(), -1) {}
+  Neighbourhood(const PatchGrid& patches, const CellLabels& cells)
+      : patches_(patches), cells_(cells), reached_(patches.patches.size(), -1) {}
 
   /// In ascending order.
   const std::vector<std::int32_t>& labelsAround(int index) {
     labels_.clear();
     // Most patches are come upon several times, and most of them have one label, or that of one before.
     std::int32_t last = 0, other = 0;
-    const std::int32_t* const only = only_.data();
+    const std::int32_t* const only = cells_.only.data();
+    const int* const begin = cells_.begin.data();
     const auto look = [&](int i) {
       const std::int32_t label = only[i];
       if (label == last || label == other || label == 0) return;
@@ -32,7 +32,7 @@ class Neighbourhood {
         add(last = label);
       } else if (reached_[i] != index) {
         reached_[i] = index;
-        for (int s = shares_.begin[i]; s < shares_.begin[i + 1]; ++s) add(shares_.shares[s].label);
+        for (int s = begin[i]; s < begin[i + 1]; ++s) add(cells_.labels[s]);
       }
     };
     look(index);
@@ -51,8 +51,7 @@ class Neighbourhood {
   }
 
   const PatchGrid& patches_;
-  const CellShares& shares_;
-  const std::vector<std::int32_t>& only_;
+  const CellLabels& cells_;
   std::vector<int> reached_;  // the last patch from which each with several labels was reached
   std::vector<std::int32_t> labels_;
 };
@@ -74,6 +73,19 @@ void paint(const BeamGrid& grid, const Patch& patch, std::int32_t label, LabelIm
   }
 }
 
+// Resolves cells among the labels around them. @param which are left to those whose labels may have changed.
+void resolveCells(const PatchGrid& cells, const CellLabels& all, std::vector<int>& which, std::int32_t first_open, bool keep,
+                  CellResolver& resolver, LabelImage& labels) {
+  Neighbourhood neighbourhood(cells, all);
+  std::size_t kept = 0;
+  for (std::size_t j = 0; j < which.size(); ++j) {
+    if (j + 1 < which.size()) resolver.prefetch(cells.patches[which[j + 1]]);
+    const int k = which[j];
+    if (resolver.resolve(cells.patches[k], neighbourhood.labelsAround(k), first_open, keep, labels)) which[kept++] = k;
+  }
+  which.resize(kept);
+}
+
 }  // namespace
 
 void patchLabels(const BeamGrid& grid, const PatchGrid& patches, const CellShares& shares, LabelImage& out, int threads) {
@@ -91,58 +103,59 @@ void patchLabels(const BeamGrid& grid, const PatchGrid& patches, const CellShare
 void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
                   const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
                   std::int32_t first_open, LabelImage& labels, std::vector<char>& changed, int threads) {
-  changed.assign(cells.patches.size(), 0);
   const int count = static_cast<int>(cells.patches.size());
-  const std::vector<std::int32_t> only = onlyLabels(shares, threads);
+  changed.assign(cells.patches.size(), 0);
+  const CellLabels all(shares, threads);
 
-  // The label of cells that have just one, whole; 0 of all others.
+  // The label of cells that have just one, whole; 0 of all others, kEmpty of those that have no points.
+  constexpr std::int32_t kEmpty = -1;
   std::vector<std::int32_t> whole(cells.patches.size());
   std::vector<char> open(cells.patches.size());
   forEachRange(threads, count, [&](int begin, int end) {
     for (int k = begin; k < end; ++k) {
+      const int points = cells.patches[k].moments.n;
       int labelled = 0;
       bool newly = false;
       for (int s = shares.begin[k]; s < shares.begin[k + 1]; ++s) {
         labelled += shares.shares[s].moments.n;
-        newly = newly || shares.shares[s].label >= first_open;
+        newly = newly || all.labels[s] >= first_open;
       }
-      const bool full = labelled == cells.patches[k].moments.n;
-      whole[k] = full && only[k] > 0 ? only[k] : 0;
-      open[k] = newly || !full ? 1 : 0;
+      const bool full = labelled == points;
+      whole[k] = points == 0 ? kEmpty : full && all.only[k] > 0 ? all.only[k] : 0;
+      open[k] = points > 0 && (newly || !full) ? 1 : 0;
     }
   });
   forEachRange(threads, count, [&](int begin, int end) {
     CellResolver resolver(grid, cells, planes, noise, tolerance);
-    Neighbourhood neighbourhood(cells, shares, only);
+    std::vector<int> found;
     for (int k = begin; k < end; ++k) {
-      const Patch& cell = cells.patches[k];
-      if (cell.moments.n == 0 || open[k] == 0) continue;
+      if (open[k] == 0) continue;
       const std::int32_t own = whole[k];
       bool inside = own > 0;
-      cells.forEachNeighbour(k, [&](int j) { inside = inside && (whole[j] == own || cells.patches[j].moments.n == 0); });
-      if (inside) {
-        if (resolver.clearOutliers(cell, own, labels)) changed[k] = 1;
-        continue;
+      cells.forEachNeighbour(k, [&](int j) { inside = inside && (whole[j] == own || whole[j] == kEmpty); });
+      if (!inside) {
+        found.push_back(k);
+      } else if (resolver.clearOutliers(cells.patches[k], own, labels)) {
+        changed[k] = 1;
       }
-      resolver.resolve(cell, neighbourhood.labelsAround(k), first_open, false, labels);
-      changed[k] = 1;
     }
+    resolveCells(cells, all, found, first_open, false, resolver, labels);
+    for (const int k : found) changed[k] = 1;
   });
 }
 
 std::vector<int> contestLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
                                const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
                                const CoplanarityTolerance& tolerance, LabelImage& labels, int threads) {
-  const std::vector<std::int32_t> only = onlyLabels(shares, threads);
-  const int count = static_cast<int>(only.size()), parts = threads > 1 ? 4 * threads : 1;
+  const CellLabels all(shares, threads);
+  const int count = static_cast<int>(all.only.size()), parts = threads > 1 ? 4 * threads : 1;
   std::vector<std::vector<int>> changed(static_cast<std::size_t>(parts));
   forEachPart(threads, parts, [&](int part) {
     CellResolver resolver(grid, cells, planes, noise, tolerance);
-    Neighbourhood neighbourhood(cells, shares, only);
     for (int k = partBegin(count, parts, part), end = partBegin(count, parts, part + 1); k < end; ++k) {
-      if (!isBorderCell(cells, only, k)) continue;
-      if (resolver.resolve(cells.patches[k], neighbourhood.labelsAround(k), 1, true, labels)) changed[part].push_back(k);
+      if (isBorderCell(cells, all.only, k)) changed[part].push_back(k);
     }
+    resolveCells(cells, all, changed[part], 1, true, resolver, labels);
   });
   for (int part = 1; part < parts; ++part) changed[0].insert(changed[0].end(), changed[part].begin(), changed[part].end());
   return std::move(changed[0]);

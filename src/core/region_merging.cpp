@@ -89,20 +89,21 @@ struct Meeting {
   static std::uint64_t keyOf(std::int32_t a, std::int32_t b) {
     return static_cast<std::uint64_t>(std::min(a, b)) << 32U | static_cast<std::uint64_t>(std::max(a, b));
   }
-  LabelPair pair() const { return {static_cast<std::int32_t>(key >> 32U), static_cast<std::int32_t>(key & 0xffffffffU)}; }
+  static LabelPair pairOf(std::uint64_t key) {
+    return {static_cast<std::int32_t>(key >> 32U), static_cast<std::int32_t>(key & 0xffffffffU)};
+  }
 };
 
 // Where labels meet in and from cells [begin, end), cell by cell.
-std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellShares& all, const std::vector<std::int32_t>& only,
-                                  int begin, int end) {
+std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellLabels& all, int begin, int end) {
   std::vector<Meeting> meetings;
   meetings.reserve(static_cast<std::size_t>(end - begin));
   for (int i = begin; i < end; ++i) {
-    if (!isBorderCell(cells, only, i)) continue;
+    if (!isBorderCell(cells, all.only, i)) continue;
     for (int s = all.begin[i]; s < all.begin[i + 1]; ++s) {
-      const std::int32_t a = all.shares[s].label;
+      const std::int32_t a = all.labels[s];
       const auto meet = [&](int t, int j) {
-        const std::int32_t b = all.shares[t].label;
+        const std::int32_t b = all.labels[t];
         if (a != b) meetings.push_back({Meeting::keyOf(a, b), a < b ? i : j, a < b ? j : i});
       };
       for (int t = s + 1; t < all.begin[i + 1]; ++t) meet(t, i);
@@ -116,49 +117,68 @@ std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellShares& all,
 }
 
 // Where labels meet, cell by cell.
-std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellShares& all, int threads) {
-  const std::vector<std::int32_t> only = onlyLabels(all, threads);
-  const int count = static_cast<int>(only.size()), parts = std::max(1, threads);
+std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellLabels& all, int threads) {
+  const int count = static_cast<int>(all.only.size()), parts = std::max(1, threads);
   std::vector<std::vector<Meeting>> found(static_cast<std::size_t>(parts));
   forEachPart(threads, parts, [&](int part) {
-    found[part] = findMeetings(cells, all, only, partBegin(count, parts, part), partBegin(count, parts, part + 1));
+    found[part] = findMeetings(cells, all, partBegin(count, parts, part), partBegin(count, parts, part + 1));
   });
   for (int part = 1; part < parts; ++part) found[0].insert(found[0].end(), found[part].begin(), found[part].end());
   return std::move(found[0]);
 }
 
-// Gives meetings the labels' new names, and drops those that have come to be inside of one.
-void renameMeetings(const std::vector<std::int32_t>& now, std::vector<Meeting>& meetings) {
-  std::size_t kept = 0;
-  for (Meeting meeting : meetings) {
-    const LabelPair pair = meeting.pair();
-    const std::int32_t a = now[pair.first], b = now[pair.second];
-    if (a == b) continue;
-    meeting.key = Meeting::keyOf(a, b);
-    if (a > b) std::swap(meeting.cell, meeting.other);
-    meetings[kept++] = meeting;
-  }
-  meetings.resize(kept);
-}
-
-// Meetings [begin, end) of the same two labels, found one after the other.
-struct MeetingRun {
+// Meetings [begin, end) of the same two labels.
+struct MeetingGroup {
   std::uint64_t key;
   int begin, end;
+  bool swapped;  // what had the lower label has the higher one now
 };
 
-// Runs of which at least one label is fresh, in ascending pairs. There are far fewer of them to sort than meetings.
-void listFreshRuns(const std::vector<Meeting>& meetings, const std::vector<char>& fresh, std::vector<MeetingRun>& runs) {
-  runs.clear();
-  runs.reserve(meetings.size());
+void sortGroups(std::vector<MeetingGroup>& groups) {
+  std::sort(groups.begin(), groups.end(),
+            [](const MeetingGroup& a, const MeetingGroup& b) { return a.key != b.key ? a.key < b.key : a.begin < b.begin; });
+}
+
+// Brings meetings of the same two labels together. @return one group a pair, in ascending pairs.
+std::vector<MeetingGroup> groupMeetings(std::vector<Meeting>& meetings) {
+  std::vector<MeetingGroup> groups;  // first, those that were found one after the other: far fewer to sort
   const int count = static_cast<int>(meetings.size());
   for (int begin = 0, end = 0; begin < count; begin = end) {
     for (end = begin + 1; end < count && meetings[end].key == meetings[begin].key;) ++end;
-    const LabelPair pair = meetings[begin].pair();
-    if ((fresh[pair.first] | fresh[pair.second]) != 0) runs.push_back({meetings[begin].key, begin, end});
+    groups.push_back({meetings[begin].key, begin, end, false});
   }
-  std::sort(runs.begin(), runs.end(),
-            [](const MeetingRun& a, const MeetingRun& b) { return a.key != b.key ? a.key < b.key : a.begin < b.begin; });
+  sortGroups(groups);
+  std::vector<Meeting> sorted;
+  sorted.reserve(meetings.size());
+  std::size_t kept = 0;
+  for (const MeetingGroup& group : groups) {
+    const int begin = static_cast<int>(sorted.size());
+    sorted.insert(sorted.end(), meetings.begin() + group.begin, meetings.begin() + group.end);
+    const int end = static_cast<int>(sorted.size());
+    if (kept > 0 && groups[kept - 1].key == group.key) {
+      groups[kept - 1].end = end;
+    } else {
+      groups[kept++] = {group.key, begin, end, false};
+    }
+  }
+  groups.resize(kept);
+  std::swap(meetings, sorted);
+  return groups;
+}
+
+// Gives groups the labels' new names, and drops those that have come to be inside of one. One pair may then have several.
+void renameGroups(const std::vector<std::int32_t>& now, std::vector<MeetingGroup>& groups) {
+  std::size_t kept = 0;
+  for (MeetingGroup group : groups) {
+    const LabelPair pair = Meeting::pairOf(group.key);
+    const std::int32_t a = now[pair.first], b = now[pair.second];
+    if (a == b) continue;
+    group.key = Meeting::keyOf(a, b);
+    group.swapped = group.swapped != (a > b);
+    groups[kept++] = group;
+  }
+  groups.resize(kept);
+  sortGroups(groups);
 }
 
 // Height of a step, and the points that it is known from: its variance is that of a point over them, and up to four times
@@ -180,12 +200,12 @@ bool isLevel(const Step& step, double range, const NoiseModel& noise, const Copl
 // Sums both sides of a border: what the two labels have in cells within kBorderSteps of those where they meet.
 class BorderSums {
  public:
-  BorderSums(const PatchGrid& cells, const CellShares& all, const std::vector<std::int32_t>& names)
-      : cells_(cells), all_(all), names_(names), reached_(cells.patches.size(), -1) {}
+  BorderSums(const PatchGrid& cells, const CellShares& all, const CellLabels& labels, const std::vector<Meeting>& meetings,
+             const std::vector<std::int32_t>& names)
+      : cells_(cells), all_(all), labels_(labels), meetings_(meetings), names_(names), reached_(cells.patches.size(), -1) {}
 
   // Of all meetings of two labels.
-  std::pair<Moments, Moments> measure(const LabelPair& pair, const std::vector<Meeting>& meetings, const MeetingRun* begin,
-                                      const MeetingRun* end) {
+  std::pair<Moments, Moments> measure(const LabelPair& pair, const MeetingGroup* begin, const MeetingGroup* end) {
     ++border_;
     wave_.clear();
     const auto take = [&](int i) {
@@ -193,12 +213,10 @@ class BorderSums {
       reached_[i] = border_;
       wave_.push_back(i);
     };
-    for (const MeetingRun* run = begin; run != end; ++run) {
-      for (int k = run->begin; k < run->end; ++k) {
-        take(meetings[k].cell);
-        take(meetings[k].other);
-      }
-    }
+    forEachMeeting(begin, end, [&](int cell, int other) {
+      take(cell);
+      take(other);
+    });
     std::size_t next = 0;
     for (int step = 0; step < kBorderSteps; ++step) {
       const std::size_t last = wave_.size();
@@ -207,7 +225,7 @@ class BorderSums {
     std::pair<Moments, Moments> sums;
     for (const int i : wave_) {
       for (int s = all_.begin[i]; s < all_.begin[i + 1]; ++s) {
-        const std::int32_t label = names_[all_.shares[s].label];
+        const std::int32_t label = names_[labels_.labels[s]];
         if (label == pair.first) sums.first += all_.shares[s].moments;
         if (label == pair.second) sums.second += all_.shares[s].moments;
       }
@@ -216,35 +234,45 @@ class BorderSums {
   }
 
   /// The step between two labels along a normal, from the nearest of both: where they meet.
-  Step measureStep(const LabelPair& pair, const std::vector<Meeting>& meetings, const MeetingRun* begin,
-                   const MeetingRun* end, const Eigen::Vector3d& normal) const {
+  Step measureStep(const LabelPair& pair, const MeetingGroup* begin, const MeetingGroup* end,
+                   const Eigen::Vector3d& normal) const {
     Step step;
-    const auto add = [&](const Meeting* at) {
-      const Moments a = momentsIn(at->cell, pair.first), b = momentsIn(at->other, pair.second);
+    forEachMeeting(begin, end, [&](int cell, int other) {
+      const Moments a = momentsIn(cell, pair.first), b = momentsIn(other, pair.second);
       if (a.n == 0 || b.n == 0) return;
       const double points = 1.0 / (1.0 / a.n + 1.0 / b.n);
       step.height += points * normal.dot(b.mean() - a.mean());
       step.points += points;
-    };
-    for (const MeetingRun* run = begin; run != end; ++run) {
-      for (int m = run->begin; m < run->end; ++m) add(&meetings[m]);
-    }
+    });
     if (step.points > 0.0) step.height /= step.points;
     return step;
   }
 
  private:
+  // Calls f(cell of the lower label, of the higher).
+  template <typename F>
+  void forEachMeeting(const MeetingGroup* begin, const MeetingGroup* end, F&& f) const {
+    for (const MeetingGroup* group = begin; group != end; ++group) {
+      for (int m = group->begin; m < group->end; ++m) {
+        const Meeting& at = meetings_[m];
+        f(group->swapped ? at.other : at.cell, group->swapped ? at.cell : at.other);
+      }
+    }
+  }
+
   // What a label, by its name now, has in a cell.
   Moments momentsIn(int cell, std::int32_t label) const {
     Moments sum;
     for (int s = all_.begin[cell]; s < all_.begin[cell + 1]; ++s) {
-      if (names_[all_.shares[s].label] == label) sum += all_.shares[s].moments;
+      if (names_[labels_.labels[s]] == label) sum += all_.shares[s].moments;
     }
     return sum;
   }
 
   const PatchGrid& cells_;
   const CellShares& all_;
+  const CellLabels& labels_;
+  const std::vector<Meeting>& meetings_;
   const std::vector<std::int32_t>& names_;
   std::vector<int> reached_;  // the last border that took the cell
   std::vector<int> wave_;
@@ -361,15 +389,15 @@ void shareClusters(const PatchGrid& patches, const std::vector<int>& cluster_of,
   shares.begin.push_back(static_cast<int>(shares.shares.size()));
 }
 
-std::vector<std::int32_t> onlyLabels(const CellShares& shares, int threads) {
-  std::vector<std::int32_t> only(shares.begin.size() - 1);
+CellLabels::CellLabels(const CellShares& shares, int threads)
+    : begin(shares.begin), labels(shares.shares.size()), only(shares.begin.size() - 1) {
   forEachRange(threads, static_cast<int>(only.size()), [&](int first, int last) {
     for (int i = first; i < last; ++i) {
-      const int begin = shares.begin[i], count = shares.begin[i + 1] - begin;
-      only[i] = count == 1 ? shares.shares[begin].label : count == 0 ? 0 : -1;
+      const int share = begin[i], count = begin[i + 1] - share;
+      for (int s = share; s < share + count; ++s) labels[s] = shares.shares[s].label;
+      only[i] = count == 1 ? labels[share] : count == 0 ? 0 : -1;
     }
   });
-  return only;
 }
 
 void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels,
@@ -419,23 +447,24 @@ std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& 
   std::vector<std::int32_t> names(whole.size());
   std::iota(names.begin(), names.end(), 0);
   std::vector<char> fresh(whole.size(), 1);  // pairs of labels that have not changed need no second look
-  std::vector<Meeting> all = findMeetings(cells, shares, threads);
-  BorderSums borders(cells, shares, names);
+  const CellLabels labels(shares, threads);
+  std::vector<Meeting> meetings = findMeetings(cells, labels, threads);
+  std::vector<MeetingGroup> groups = groupMeetings(meetings);
+  BorderSums borders(cells, shares, labels, meetings, names);
   std::vector<std::pair<double, LabelPair>> candidates;
-  std::vector<MeetingRun> runs;
   while (true) {
     candidates.clear();
-    listFreshRuns(all, fresh, runs);
-    for (std::size_t begin = 0, end = 0; begin < runs.size(); begin = end) {
-      const LabelPair pair = all[runs[begin].begin].pair();
-      while (end < runs.size() && runs[end].key == runs[begin].key) ++end;
+    for (std::size_t begin = 0, end = 0; begin < groups.size(); begin = end) {
+      const LabelPair pair = Meeting::pairOf(groups[begin].key);
+      while (end < groups.size() && groups[end].key == groups[begin].key) ++end;
+      if ((fresh[pair.first] | fresh[pair.second]) == 0) continue;
       const Whole& a = whole[pair.first];
       const Whole& b = whole[pair.second];
       const PlaneFit joint = fitPlane(a.moments + b.moments);
       const double s = wholeSimilarity(a, b, joint, noise, tolerance);
       const bool may_bow = a.fit.normal().dot(b.fit.normal()) > std::cos(kBowTurn);
       if (s < threshold && !may_bow) continue;
-      const auto [first, second] = borders.measure(pair, all, &runs[begin], runs.data() + end);
+      const auto [first, second] = borders.measure(pair, &groups[begin], groups.data() + end);
       if (first.n < kMinBorderPoints || second.n < kMinBorderPoints) continue;
       // Over a wide bow, the plane of both leaves the border: a step shows in the nearest of both sides alone.
       const bool level = stepSimilarity(first, second, joint, noise, tolerance) >= threshold;
@@ -444,7 +473,7 @@ std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& 
       if (!(level && s >= threshold) && !isBowed(a, b, wide, first, second, tolerance)) continue;
       if (!level) {
         const Eigen::Vector3d normal = (a.fit.normal() + b.fit.normal()).normalized();
-        const Step step = borders.measureStep(pair, all, &runs[begin], runs.data() + end, normal);
+        const Step step = borders.measureStep(pair, &groups[begin], groups.data() + end, normal);
         if (!isLevel(step, (first + second).mean().norm(), noise, tolerance, threshold)) continue;
       }
       candidates.emplace_back(-s, pair);
@@ -463,7 +492,7 @@ std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& 
       now[pair.second] = pair.first;
     }
     for (std::int32_t& label : names) label = now[label];
-    renameMeetings(now, all);
+    renameGroups(now, groups);
     fresh = changed;
   }
   rename(names, shares);

@@ -23,6 +23,9 @@ class CellResolver {
   /// must be weighed with the noise at its mean range (weighPatches). @return whether there are any.
   bool clearOutliers(const Patch& cell, std::int32_t label, LabelImage& out) const;
 
+  /// Fetches what resolve() will read of a cell into the cache, while something else is done: its rows lie far apart.
+  void prefetch(const Patch& cell) const;
+
   /// Gives every pixel of a cell without a label, or with one from `first_open` on, the likeliest of the candidates, or 0.
   /// @param candidates in ascending order. @param keep: pixels that no candidate explains keep their label instead.
   /// @return whether labels may have changed.
@@ -41,6 +44,7 @@ class CellResolver {
     bool known;  // its residuals in the cell have been computed
   };
 
+  int reachOf(const Patch& cell) const;  // of windows, in rows
   CellNoise noiseOf(int pixel) const { return CellNoise(grid_, noise_, tolerance_, pixel); }
   CellResiduals residuals(const CellNoise& noise, std::int32_t label) const;
   bool mayHaveOutliers(const Patch& cell, std::int32_t label, int middle) const;

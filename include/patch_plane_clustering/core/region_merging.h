@@ -40,11 +40,17 @@ void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel
 /// @brief Planes of the labels: a (see moments.h); index = label.
 std::vector<Eigen::Vector3d> labelPlanes(const CellShares& cells);
 
-/// @brief For every cell its only label, 0 if it has none, -1 if it has several.
-std::vector<std::int32_t> onlyLabels(const CellShares& shares, int threads = 1);
+/// @brief The labels of every cell in arrays of their own: shares are large, and most of what is asked of them is the label.
+struct CellLabels {
+  const std::vector<int>& begin;     ///< see CellShares, which must outlive this
+  std::vector<std::int32_t> labels;  ///< cell by cell
+  std::vector<std::int32_t> only;    ///< for every cell its only label, 0 if it has none, -1 if it has several
+
+  explicit CellLabels(const CellShares& shares, int threads = 1);
+};
 
 /// @brief Whether several labels meet in a cell, or it lies next to a cell with another label.
-/// @param only see onlyLabels().
+/// @param only see CellLabels.
 inline bool isBorderCell(const PatchGrid& cells, const std::vector<std::int32_t>& only, int cell) {
   const std::int32_t label = only[cell];
   if (label <= 0) return label < 0;
