@@ -93,16 +93,28 @@ bool CellResolver::clearOutliers(const Patch& cell, std::int32_t label, LabelIma
   return any;
 }
 
-void CellResolver::prefetch(const Patch& cell) const {
-  const int reach = reachOf(cell);
-  const int begin = std::max(0, cell.row_begin - reach), end = std::min(grid_.rows, cell.row_end + reach);
-  const auto fetch = [&](const std::vector<float>& from) {
-    if (from.empty()) return;
-    const float* at = from.data() + grid_.index(begin, cell.col_begin);
-    for (int row = begin; row < end; ++row, at += grid_.cols) __builtin_prefetch(at);
-  };
-  for (const auto* from : {&grid_.range, &grid_.dir_x, &grid_.dir_y, &grid_.dir_z}) fetch(*from);
-  for (const auto* from : {&grid_.origin_x, &grid_.origin_y, &grid_.origin_z}) fetch(*from);
+void CellResolver::prefetch(const Patch& cell, const LabelImage& labels) const {
+  const int reach = reachOf(cell), stride = grid_.cols;
+  const int begin = grid_.index(std::max(0, cell.row_begin - reach), cell.col_begin);
+  const int end = grid_.index(std::min(grid_.rows, cell.row_end + reach), 0);
+  const float *const range = grid_.range.data(), *const x = grid_.dir_x.data();
+  const float *const y = grid_.dir_y.data(), *const z = grid_.dir_z.data();
+  const std::int32_t* const label = labels.labels.data();
+  for (int i = begin; i < end; i += stride) {
+    __builtin_prefetch(range + i);
+    __builtin_prefetch(x + i);
+    __builtin_prefetch(y + i);
+    __builtin_prefetch(z + i);
+    __builtin_prefetch(label + i);
+  }
+  if (grid_.origin_x.empty()) return;
+  const float *const from_x = grid_.origin_x.data(), *const from_y = grid_.origin_y.data();
+  const float* const from_z = grid_.origin_z.data();
+  for (int i = begin; i < end; i += stride) {
+    __builtin_prefetch(from_x + i);
+    __builtin_prefetch(from_y + i);
+    __builtin_prefetch(from_z + i);
+  }
 }
 
 int CellResolver::reachOf(const Patch& cell) const {
@@ -124,10 +136,9 @@ bool CellResolver::resolve(const Patch& cell, const std::vector<std::int32_t>& c
     readRows(col, lanes, reach_, last_);
     openPlaces(cell, col, first_open, keep, out);
     if (keep && !findUndecided(out.labels[pixel])) continue;  // as most are amid their own plane
-    any = true;
     readWindow(cell, col, lanes);
     for (std::size_t k = 0; k < candidates_.size(); ++k) compete(k);
-    paint(cell, col, out);
+    any = paint(cell, col, out) || any;
   }
   return any;
 }
@@ -233,9 +244,23 @@ void CellResolver::readWindow(const Patch& cell, int col, int lanes) {
                                 right ? below + kLanes : below};
     sides_.emplace_back(grid_, pixels, inside);
   }
+  countWindows(inside);
+}
+
+// Counts the beams in each undecided pixel's window. @param inside which of the columns beside the cell there are.
+void CellResolver::countWindows(LaneMask inside) {
+  const BeamLanes* const middle = middle_.data();
+  LaneMask all = inside;
+  for (const BeamLanes& sides : sides_) all &= sides.valid;
+  for (int row = window_begin_; row < window_end_; ++row) all &= middle[row].valid;
+  const int window_rows = 2 * reach_ + 1;
+  if (window_end_ - window_begin_ == last_undecided_ - first_undecided_ + 2 * reach_ && !anyLane(~all)) {  // as most are
+    const Lanes inverse = fill(1.0F / static_cast<float>(3 * window_rows));
+    for (int row = first_undecided_; row < last_undecided_; ++row) places_[row].inverse_count = inverse;
+    return;
+  }
   const auto one = [](LaneMask valid) { return valid ? fill(1.0F) : Lanes{}; };
   for (std::size_t k = 0; k < sides_.size(); ++k) storeLanes(one(sides_[k].valid), &side_costs_[k * kLanes]);
-  const BeamLanes* const middle = middle_.data();
   sumAcross([=](int row) { return one(middle[row].valid); });
   forEachSum([](Place& place, int, Lanes count) { place.inverse_count = 1.0F / (count > fill(1.0F) ? count : fill(1.0F)); });
 }
@@ -303,19 +328,20 @@ void CellResolver::compete(std::size_t k) {
   });
 }
 
-void CellResolver::paint(const Patch& cell, int col, LabelImage& out) const {
+// @return whether that changes any label.
+bool CellResolver::paint(const Patch& cell, int col, LabelImage& out) const {
   const int count = std::min(kLanes, cell.col_end - col);
   std::int32_t* labels = out.labels.data() + grid_.index(cell.row_begin, col);
   const Place* place = places_.data() + reach_;
   const Place* const end = places_.data() + last_;
+  LaneMask changed = {};
   for (const int stride = grid_.cols; place != end; ++place, labels += stride) {
-    if (count == kLanes) {
-      const LaneMask painted = place->open ? place->winner : loadLanes<LaneMask>(labels);
-      std::memcpy(labels, &painted, sizeof painted);
-    } else {
-      for (int lane = 0; lane < count; ++lane) labels[lane] = place->open[lane] != 0 ? place->winner[lane] : labels[lane];
-    }
+    const LaneMask before = count == kLanes ? loadLanes<LaneMask>(labels) : loadLanes<LaneMask>(labels, count);
+    const LaneMask painted = place->open ? place->winner : before;
+    changed |= painted ^ before;
+    std::memcpy(labels, &painted, sizeof(std::int32_t) * static_cast<std::size_t>(count));
   }
+  return anyLane(changed);
 }
 
 }  // namespace ppc

@@ -73,13 +73,13 @@ void paint(const BeamGrid& grid, const Patch& patch, std::int32_t label, LabelIm
   }
 }
 
-// Resolves cells among the labels around them. @param which are left to those whose labels may have changed.
+// Resolves cells among the labels around them. @param which left with those whose labels have changed.
 void resolveCells(const PatchGrid& cells, const CellLabels& all, std::vector<int>& which, std::int32_t first_open, bool keep,
                   CellResolver& resolver, LabelImage& labels) {
   Neighbourhood neighbourhood(cells, all);
   std::size_t kept = 0;
   for (std::size_t j = 0; j < which.size(); ++j) {
-    if (j + 1 < which.size()) resolver.prefetch(cells.patches[which[j + 1]]);
+    if (j + 1 < which.size()) resolver.prefetch(cells.patches[which[j + 1]], labels);
     const int k = which[j];
     if (resolver.resolve(cells.patches[k], neighbourhood.labelsAround(k), first_open, keep, labels)) which[kept++] = k;
   }
@@ -139,8 +139,8 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
         changed[k] = 1;
       }
     }
-    resolveCells(cells, all, found, first_open, false, resolver, labels);
     for (const int k : found) changed[k] = 1;
+    resolveCells(cells, all, found, first_open, false, resolver, labels);
   });
 }
 

@@ -24,11 +24,11 @@ class CellResolver {
   bool clearOutliers(const Patch& cell, std::int32_t label, LabelImage& out) const;
 
   /// Fetches what resolve() will read of a cell into the cache, while something else is done: its rows lie far apart.
-  void prefetch(const Patch& cell) const;
+  void prefetch(const Patch& cell, const LabelImage& labels) const;
 
   /// Gives every pixel of a cell without a label, or with one from `first_open` on, the likeliest of the candidates, or 0.
   /// @param candidates in ascending order. @param keep: pixels that no candidate explains keep their label instead.
-  /// @return whether labels may have changed.
+  /// @return whether labels have changed.
   bool resolve(const Patch& cell, const std::vector<std::int32_t>& candidates, std::int32_t first_open, bool keep,
                LabelImage& out);
 
@@ -54,8 +54,9 @@ class CellResolver {
   bool isHeldBy(std::int32_t label) const;
   bool findUndecided(std::int32_t likely);
   void readWindow(const Patch& cell, int col, int lanes);
+  void countWindows(LaneMask inside);
   void compete(std::size_t k);
-  void paint(const Patch& cell, int col, LabelImage& out) const;
+  bool paint(const Patch& cell, int col, LabelImage& out) const;
   template <typename Cost>
   void sumAcross(const Cost& cost);
   template <typename F>
