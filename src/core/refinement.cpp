@@ -110,7 +110,7 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
   // The label of cells that have just one, whole; 0 of all others, kEmpty of those that have no points.
   constexpr std::int32_t kEmpty = -1;
   std::vector<std::int32_t> whole(cells.patches.size());
-  std::vector<char> open(cells.patches.size());
+  std::vector<char> open(cells.patches.size()), full(cells.patches.size());
   forEachRange(threads, count, [&](int begin, int end) {
     for (int k = begin; k < end; ++k) {
       const int points = cells.patches[k].moments.n;
@@ -120,9 +120,9 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
         labelled += shares.shares[s].moments.n;
         newly = newly || all.labels[s] >= first_open;
       }
-      const bool full = labelled == points;
-      whole[k] = points == 0 ? kEmpty : full && all.only[k] > 0 ? all.only[k] : 0;
-      open[k] = points > 0 && (newly || !full) ? 1 : 0;
+      full[k] = labelled == points ? 1 : 0;
+      whole[k] = points == 0 ? kEmpty : full[k] != 0 && all.only[k] > 0 ? all.only[k] : 0;
+      open[k] = points > 0 && (newly || full[k] == 0) ? 1 : 0;
     }
   });
   forEachRange(threads, count, [&](int begin, int end) {
@@ -139,8 +139,10 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
         changed[k] = 1;
       }
     }
-    for (const int k : found) changed[k] = 1;
+    // Points that are left over may be given labels of another kind before the shares are updated.
+    for (const int k : found) changed[k] = full[k] != 0 ? 0 : 1;
     resolveCells(cells, all, found, first_open, false, resolver, labels);
+    for (const int k : found) changed[k] = 1;
   });
 }
 

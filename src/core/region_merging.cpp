@@ -413,13 +413,18 @@ void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel
     mine.shares.clear();
     std::vector<std::int32_t> scratch;
     const int part_end = partBegin(count, parts, part + 1);
-    for (int k = partBegin(count, parts, part); k < part_end; ++k) {
-      mine.begin.push_back(static_cast<int>(mine.shares.size()));
+    for (int k = partBegin(count, parts, part), next = k; k < part_end; k = next) {
+      const auto size = static_cast<int>(mine.shares.size());
       if (changed[k] != 0) {
+        next = k + 1;
+        mine.begin.push_back(size);
         shareCell(grid, cells.patches[k], cells.center, noise, labels, scratch, mine);
-      } else {
-        for (int s = before.begin[k]; s < before.begin[k + 1]; ++s) mine.shares.push_back(before.shares[s]);
+        continue;
       }
+      while (next < part_end && changed[next] == 0) ++next;
+      const int first = before.begin[k];
+      for (int same = k; same < next; ++same) mine.begin.push_back(size + before.begin[same] - first);
+      mine.shares.insert(mine.shares.end(), before.shares.begin() + first, before.shares.begin() + before.begin[next]);
     }
   });
   for (const CellShares& part : rest) {
@@ -439,7 +444,8 @@ std::vector<Eigen::Vector3d> labelPlanes(const CellShares& cells) {
 }
 
 std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                                      double threshold, CellShares& shares, int threads) {
+                                      double threshold, CellShares& shares, std::vector<Eigen::Vector3d>& planes,
+                                      int threads) {
   const std::vector<Moments> sums = sumShares(shares);
   std::vector<Whole> whole;
   whole.reserve(sums.size());
@@ -496,12 +502,15 @@ std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& 
     fresh = changed;
   }
   rename(names, shares);
+  planes.assign(whole.size(), Eigen::Vector3d::Zero());
+  for (const std::int32_t name : names) planes[name] = whole[name].fit.a;
   return names;
 }
 
 std::vector<LabelRun> mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                                  double threshold, CellShares& shares, LabelImage& labels, int threads) {
-  const std::vector<std::int32_t> names = mergeShares(cells, noise, tolerance, threshold, shares, threads);
+                                  double threshold, CellShares& shares, LabelImage& labels,
+                                  std::vector<Eigen::Vector3d>& planes, int threads) {
+  const std::vector<std::int32_t> names = mergeShares(cells, noise, tolerance, threshold, shares, planes, threads);
   const std::vector<LabelRun> before = labelRuns(labels);
   renameLabels(names, before, labels);
   std::vector<LabelRun> runs;

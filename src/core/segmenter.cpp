@@ -110,9 +110,12 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
   CellShares& shares = memory.shares;
   shareClusters(patches, memory.clusters.cluster_of, shares);
   timer.lap("clustering");
+  std::vector<Eigen::Vector3d>& planes = memory.planes;  // of the labels
   if (config.merge) {
-    mergeShares(patches, noise, tolerance, config.similarity_threshold, shares, config.threads);
+    mergeShares(patches, noise, tolerance, config.similarity_threshold, shares, planes, config.threads);
     timer.lap("merging");
+  } else {
+    planes = labelPlanes(shares);
   }
   LabelImage labels;
   patchLabels(grid, patches, shares, labels, config.threads);
@@ -121,7 +124,7 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
     updateShares(grid, patches, noise, labels, changed, shares, memory.shares_before, config.threads);
   };
   const auto refine = [&](std::int32_t first_open) {
-    refineLabels(grid, patches, shares, labelPlanes(shares), noise, tolerance, first_open, labels, changed, config.threads);
+    refineLabels(grid, patches, shares, planes, noise, tolerance, first_open, labels, changed, config.threads);
   };
   LabelPieces& pieces = memory.pieces;
   bool runs_known = false;
@@ -131,14 +134,20 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
     if (config.second_pass) {
       const std::int32_t first_new = addSmallRegions(grid, noise, tolerance, config, memory, labels);
       update();
+      planes = labelPlanes(shares);
       refine(first_new);
       update();
-      if (config.merge)
-        pieces.runs = mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels, config.threads);
+      if (config.merge) {
+        pieces.runs =
+            mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels, planes, config.threads);
+      } else {
+        planes = labelPlanes(shares);
+      }
       runs_known = config.merge;
       timer.lap("second pass");
     } else {
       update();
+      planes = labelPlanes(shares);
     }
   }
   const int gap_rows = 2 * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols), gap_cols = 2;
@@ -150,7 +159,6 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
   planarNames(grid, noise, tolerance, config.max_turn, pieces.labels, pieces.runs, memory.curvature, pieces.names,
               config.threads);
   timer.lap("curvature");
-  const std::vector<Eigen::Vector3d> planes = labelPlanes(shares);
   if (config.refine && config.settle_borders) {
     pieces.whole = settleBorders(grid, patches, shares, planes, noise, tolerance, pieces,
                                  smallestRegion(config, grid.size()), gap_rows, gap_cols, labels, config.threads);

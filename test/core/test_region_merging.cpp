@@ -34,7 +34,9 @@ struct Scene {
     shares = shareCells(grid, cells, kNoise, labels);
   }
 
-  void merge() { mergeLabels(cells, kNoise, kTolerance, 0.1, shares, labels); }
+  std::vector<Eigen::Vector3d> planes;
+
+  void merge() { mergeLabels(cells, kNoise, kTolerance, 0.1, shares, labels, planes); }
 };
 
 const auto kLeft = [](const Eigen::Vector3d& p) { return p.y() > 0.0; };
@@ -82,6 +84,9 @@ TEST(MergeLabels, JoinsTheHalvesOfAWall) {
   scene.merge();
   EXPECT_EQ(countOf(scene.labels, scene.labels.labels[0]), scene.grid.size());
   int points = 0;
+  const auto planes = labelPlanes(scene.shares);
+  ASSERT_GE(scene.planes.size(), planes.size());
+  for (std::size_t label = 1; label < planes.size(); ++label) EXPECT_LT((scene.planes[label] - planes[label]).norm(), 1e-9);
   for (const auto& share : scene.shares.shares) {
     EXPECT_EQ(share.label, scene.labels.labels[0]);
     points += share.moments.n;

@@ -67,12 +67,15 @@ inline bool isBorderCell(const PatchGrid& cells, const std::vector<std::int32_t>
 /// strips on both sides of the border are compared by their offset alone (a plane tilted across a step hides three quarters
 /// of it); those of a wide bow, whose joint plane leaves the border, by the nearest of both sides.
 /// @param cells blocks of pixels by which "touching" and "where they meet" are measured.
-/// @param shares of `labels`; renamed along with them. @return the runs of the new labels.
+/// @param shares of `labels`; renamed along with them. @param planes set to those of the new labels, as by labelPlanes(); 0
+/// of names that no label has any more. @return the runs of the new labels.
 std::vector<LabelRun> mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                                  double threshold, CellShares& shares, LabelImage& labels, int threads = 1);
+                                  double threshold, CellShares& shares, LabelImage& labels,
+                                  std::vector<Eigen::Vector3d>& planes, int threads = 1);
 
 /// @brief The same where there is no image of the labels yet. @return the new name of every label.
 std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                                      double threshold, CellShares& shares, int threads = 1);
+                                      double threshold, CellShares& shares, std::vector<Eigen::Vector3d>& planes,
+                                      int threads = 1);
 
 }  // namespace ppc

@@ -40,7 +40,7 @@ struct ClusteringMemory {
   std::vector<char> changed;
   LabelPieces pieces;
   CurvatureMemory curvature;
-  std::vector<Eigen::Vector3d> piece_planes;  ///< of the pieces of labels
+  std::vector<Eigen::Vector3d> planes, piece_planes;  ///< of the labels, and of their pieces
   HoleMemory holes;
   CreaseMemory creases;
   FinishingMemory finishing;
