@@ -1,116 +1,164 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/crease_alignment.h"
 
+#include "patch_plane_clustering/core/crease_lanes.h"
 #include "patch_plane_clustering/core/label_runs.h"
+#include "patch_plane_clustering/core/parallel.h"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 #include <tuple>
 
 namespace ppc {
 namespace {
 
-using Meeting = CreaseMemory::Meeting;
-using Candidate = CreaseMemory::Candidate;
+using LabelPair = CreaseMemory::LabelPair;
+using Worker = CreaseMemory::Worker;
+using Change = CreaseMemory::Change;
 
 constexpr int kReach = 6;                // pixels from a border that are looked at
-constexpr double kClearlyApart = 1.0;    // distance of two planes that tells on which side one is seen, in sigmas
-constexpr double kWithinNoise = 1.5;     // distance of two planes at which a point may be of either, in sigmas
-constexpr double kFarthestPoint = 2.5;   // of a point from the plane that it is given to, in sigmas
+constexpr float kClearlyApart = 1.0F;    // distance of two planes that tells on which side one is seen, in sigmas
+constexpr float kWithinNoise = 1.5F;     // distance of two planes at which a point may be of either, in sigmas
+constexpr float kFarthestPoint = 2.5F;   // of a point from the plane that it is given to, in sigmas
 constexpr int kFewestWitnesses = 5;      // points at which planes are clearly apart
 constexpr double kLeastAgreement = 0.8;  // of the witnesses
 
-class CreaseAligner {
+// Lists where labels of at least `smallest` points meet, pair by pair.
+class MeetingFinder {
  public:
-  CreaseAligner(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
-                const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, CreaseMemory& memory,
-                LabelImage& labels)
-      : grid_(grid),
-        planes_(planes),
-        center_(center),
-        noise_(noise),
-        tolerance_(tolerance),
-        smallest_(smallest),
-        memory_(memory),
-        image_(labels),
-        labels_(labels.labels.data()) {
-    memory_.points.assign(planes.size(), 0);
-    forEachRun(labels, [&](std::int32_t label, int begin, int end) { memory_.points[label] += end - begin; });
-    memory_.seen.assign(static_cast<std::size_t>(grid.size()), -1);
-    memory_.meetings.clear();
-    memory_.changes.clear();
-  }
+  MeetingFinder(const LabelImage& labels, int smallest, CreaseMemory& memory)
+      : labels_(labels), smallest_(smallest), memory_(memory) {}
 
-  void align() {
-    forEachChange(image_, [&](int pixel, int step, int) { meet(pixel, step); });
-    std::vector<Meeting>& meetings = memory_.meetings;
-    const auto key = [](const Meeting& m) { return std::tie(m.first, m.second, m.step, m.pixel); };
-    std::sort(meetings.begin(), meetings.end(), [&](const Meeting& a, const Meeting& b) { return key(a) < key(b); });
-    for (std::size_t begin = 0, end = 0; begin < meetings.size(); begin = end) {
-      const std::int32_t first = meetings[begin].first, second = meetings[begin].second;
-      memory_.near.clear();
-      for (end = begin; end < meetings.size() && meetings[end].first == first && meetings[end].second == second; ++end) {
-        lookAround(meetings[end], static_cast<int>(begin));
-      }
-      alignPair(first, second);
+  void find(std::size_t labels) {
+    memory_.points.assign(labels, 0);
+    forEachRun(labels_, [&](std::int32_t label, int begin, int end) { memory_.points[label] += end - begin; });
+    memory_.pairs.clear();
+    memory_.meetings.clear();
+    forEachChange(labels_, [&](int pixel, int step, int) { meet(pixel, step); });
+    memory_.next.resize(memory_.pairs.size());
+    int begin = 0;
+    for (LabelPair& pair : memory_.pairs) {
+      memory_.next[pair.index] = pair.begin = begin;
+      begin += pair.meetings;
     }
-    for (const CreaseMemory::Change& change : memory_.changes) labels_[change.pixel] = change.label;
+    memory_.places.resize(memory_.meetings.size());
+    for (const CreaseMemory::Meeting& meeting : memory_.meetings) {
+      memory_.places[memory_.next[meeting.pair]++] = meeting.place;
+    }
   }
 
  private:
   void meet(int pixel, int step) {
-    const std::int32_t a = labels_[pixel - step], b = labels_[pixel];
+    const std::int32_t a = labels_.labels[pixel - step], b = labels_.labels[pixel];
     if (a <= 0 || b <= 0 || memory_.points[a] < smallest_ || memory_.points[b] < smallest_) return;
-    memory_.meetings.push_back({std::min(a, b), std::max(a, b), pixel, step});
+    LabelPair& pair = pairOf(std::min(a, b), std::max(a, b));
+    ++pair.meetings;
+    memory_.meetings.push_back({pair.index, {pixel, step}});
   }
 
-  // Looks at the pixels on both sides of a meeting, as far as they are of either label.
-  void lookAround(const Meeting& meeting, int pair) {
-    const int place = meeting.step == 1 ? meeting.pixel % grid_.cols : meeting.pixel / grid_.cols;
-    const int count = meeting.step == 1 ? grid_.cols : grid_.rows;
-    const auto walk = [&](int pixel, int step, int most) {
-      for (int k = 0; k < most; ++k, pixel += step) {
-        if (labels_[pixel] != meeting.first && labels_[pixel] != meeting.second) return;
-        if (memory_.seen[pixel] == pair || !grid_.valid(pixel)) continue;
-        memory_.seen[pixel] = pair;
-        lookAt(pixel, meeting.first, meeting.second);
-      }
+  LabelPair& pairOf(std::int32_t first, std::int32_t second) {
+    std::vector<LabelPair>& pairs = memory_.pairs;
+    if (last_ < pairs.size() && pairs[last_].first == first && pairs[last_].second == second) return pairs[last_];
+    const auto before = [](const LabelPair& a, const LabelPair& b) {
+      return std::tie(a.first, a.second) < std::tie(b.first, b.second);
     };
-    walk(meeting.pixel - meeting.step, -meeting.step, std::min(kReach, place));
-    walk(meeting.pixel, meeting.step, std::min(kReach, count - place));
+    const LabelPair fresh{first, second, static_cast<int>(pairs.size()), 0, 0};
+    auto at = std::lower_bound(pairs.begin(), pairs.end(), fresh, before);
+    if (at == pairs.end() || before(fresh, *at)) at = pairs.insert(at, fresh);
+    last_ = static_cast<std::size_t>(at - pairs.begin());
+    return *at;
   }
 
-  // Range at which a beam meets a plane [m]; not finite or negative if it does not.
-  double rangeOf(std::int32_t label, const Eigen::Vector3d& direction, const Eigen::Vector3d& origin) const {
-    const Eigen::Vector3d& a = planes_[label];
-    return (1.0 - a.dot(origin - center_)) / a.dot(direction);
-  }
+  const LabelImage& labels_;
+  int smallest_;
+  CreaseMemory& memory_;
+  std::size_t last_ = 0;  // borders are long: most meetings are of the pair of the one before
+};
 
-  void lookAt(int pixel, std::int32_t first, std::int32_t second) {
-    const Eigen::Vector3d direction = grid_.direction(pixel).cast<double>(), origin = grid_.origin(pixel).cast<double>();
-    const double of_first = rangeOf(first, direction, origin), of_second = rangeOf(second, direction, origin);
-    if (!(of_first > 0.0) || !(of_second > 0.0)) return;
-    const double noise = noise_.sigma(grid_.range[pixel]), floor = tolerance_.forNoise(noise).sigma_distance;
-    const double sigma = std::sqrt(noise * noise + floor * floor), difference = of_first - of_second;
-    const double residual = grid_.range[pixel] - (labels_[pixel] == first ? of_second : of_first);
-    const bool witness = std::abs(difference) > kClearlyApart * sigma;
-    const bool open = std::abs(difference) < kWithinNoise * sigma && std::abs(residual) < kFarthestPoint * sigma;
-    memory_.near.push_back({pixel, difference > 0.0, witness, open});
-  }
+class CreaseAligner {
+ public:
+  CreaseAligner(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
+                const NoiseModel& noise, const CoplanarityTolerance& tolerance, const LabelImage& labels)
+      : grid_(grid), planes_(planes), center_(center), noise_(noise), tolerance_(tolerance), labels_(labels.labels.data()) {}
 
-  void alignPair(std::int32_t first, std::int32_t second) {
+  // Lists what is to change between two labels that meet at `places`.
+  void align(const LabelPair& pair, const CreaseMemory::Place* places, Worker& worker, std::vector<Change>& changes) const {
+    changes.clear();
+    lookAround(pair, places, worker);
     int witnesses = 0, farther = 0;  // those of them that are of the farther plane, as at the edge of a box
-    for (const Candidate& candidate : memory_.near) {
-      if (!candidate.witness) continue;
-      ++witnesses;
-      if ((labels_[candidate.pixel] == first) == candidate.first_farther) ++farther;
-    }
+    compare(pair, worker, witnesses, farther);
     if (std::max(farther, witnesses - farther) < std::max<double>(kFewestWitnesses, kLeastAgreement * witnesses)) return;
     const bool farther_is_seen = 2 * farther > witnesses;
-    for (const Candidate& candidate : memory_.near) {
-      const std::int32_t label = candidate.first_farther == farther_is_seen ? first : second;
-      if (candidate.open && label != labels_[candidate.pixel]) memory_.changes.push_back({candidate.pixel, label});
+    for (const CreaseMemory::Candidate& candidate : worker.open) {
+      const std::int32_t label = candidate.first_farther == farther_is_seen ? pair.first : pair.second;
+      if (label != labels_[candidate.pixel]) changes.push_back({candidate.pixel, label});
     }
+  }
+
+ private:
+  // Lists the pixels on both sides of the meetings, as far as they are of either label.
+  void lookAround(const LabelPair& pair, const CreaseMemory::Place* places, Worker& worker) const {
+    const auto size = static_cast<std::size_t>(grid_.size());
+    if (worker.seen.size() != size || worker.stamp == std::numeric_limits<int>::max()) {
+      worker.seen.assign(size, 0);
+      worker.stamp = 0;
+    }
+    const int stamp = ++worker.stamp;
+    int* const seen = worker.seen.data();
+    const std::int32_t first = pair.first, second = pair.second;
+    // Room for all of them, so that none has to ask for it.
+    const std::size_t most = std::min(size, static_cast<std::size_t>(pair.meetings) * 2 * kReach) + 1;
+    if (worker.near.size() < most) worker.near.resize(most);
+    int* next = worker.near.data();
+    const auto walk = [&](int pixel, int step, int count) {
+      for (int k = 0; k < count; ++k, pixel += step) {
+        if (labels_[pixel] != first && labels_[pixel] != second) return;
+        *next = pixel;
+        next += seen[pixel] != stamp ? 1 : 0;
+        seen[pixel] = stamp;
+      }
+    };
+    for (int m = 0; m < pair.meetings; ++m) {
+      const auto [pixel, step] = places[m];
+      const int place = step == 1 ? pixel % grid_.cols : pixel / grid_.cols;
+      walk(pixel - step, -step, std::min(kReach, place));
+      walk(pixel, step, std::min(kReach, (step == 1 ? grid_.cols : grid_.rows) - place));
+    }
+    worker.count = static_cast<int>(next - worker.near.data());
+  }
+
+  // Compares both planes at the pixels near a border, four at a time.
+  void compare(const LabelPair& pair, Worker& worker, int& witnesses, int& farther) const {
+    const CreaseLanes planes(planes_[pair.first], planes_[pair.second], center_);
+    worker.open.clear();
+    LaneMask apart = {}, of_farther = {};
+    for (int begin = 0; begin < worker.count; begin += kLanes) {
+      int pixels[kLanes];
+      LaneMask of_first;
+      Lanes variance;
+      for (int k = 0; k < kLanes; ++k) {
+        pixels[k] = worker.near[begin + k < worker.count ? begin + k : begin];
+        of_first[k] = labels_[pixels[k]] == pair.first ? -1 : 0;
+        variance[k] = static_cast<float>(varianceAt(pixels[k]));
+      }
+      const BeamLanes beams(grid_, pixels, firstLanes(worker.count - begin));
+      const auto found = planes.compare(beams, variance, of_first, kClearlyApart, kWithinNoise, kFarthestPoint);
+      apart += found.apart;
+      of_farther += found.apart & ~(of_first ^ found.first_farther);
+      if (!anyLane(found.open)) continue;
+      for (int k = 0; k < kLanes; ++k) {
+        if (found.open[k] != 0) worker.open.push_back({pixels[k], found.first_farther[k] != 0});
+      }
+    }
+    witnesses = countLanes(apart);
+    farther = countLanes(of_farther);
+  }
+
+  // Of distances along a beam: noise, and what planes are allowed [m^2].
+  double varianceAt(int pixel) const {
+    const double noise = noise_.sigma(grid_.valid(pixel) ? grid_.range[pixel] : 0.0F);
+    const double floor = tolerance_.forNoise(noise).sigma_distance;
+    return noise * noise + floor * floor;
   }
 
   const BeamGrid& grid_;
@@ -118,18 +166,25 @@ class CreaseAligner {
   const Eigen::Vector3d& center_;
   const NoiseModel& noise_;
   const CoplanarityTolerance& tolerance_;
-  int smallest_;
-  CreaseMemory& memory_;
-  const LabelImage& image_;
-  std::int32_t* labels_;
+  const std::int32_t* labels_;
 };
 
 }  // namespace
 
 void alignCreases(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
                   const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, CreaseMemory& memory,
-                  LabelImage& labels) {
-  CreaseAligner(grid, planes, center, noise, tolerance, smallest, memory, labels).align();
+                  LabelImage& labels, int threads) {
+  MeetingFinder(labels, smallest, memory).find(planes.size());
+  const std::vector<LabelPair>& pairs = memory.pairs;
+  if (memory.changes.size() < pairs.size()) memory.changes.resize(pairs.size());
+  const CreaseAligner aligner(grid, planes, center, noise, tolerance, labels);
+  forEachPart(threads, static_cast<int>(pairs.size()), memory.workers, [&](int k, Worker& worker) {
+    aligner.align(pairs[k], memory.places.data() + pairs[k].begin, worker, memory.changes[k]);
+  });
+  // Not before all pairs are known, and in their order: a pixel may be near several borders.
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    for (const Change& change : memory.changes[k]) labels.labels[change.pixel] = change.label;
+  }
 }
 
 }  // namespace ppc

@@ -178,7 +178,7 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
   if (config.refine && config.align_creases) {
     // The plane of the smallest regions is not known well enough to tell where it meets another one.
     alignCreases(grid, piece_planes, patches.center, noise, tolerance, 2 * smallestRegion(config, grid.size()),
-                 memory.creases, labels);
+                 memory.creases, labels, config.threads);
     timer.lap("creases");
   }
   return labels;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/crease_alignment.h"
 
+#include "patch_plane_clustering/core/crease_lanes.h"
+
 #include "analytic_scenes.h"
 
 #include <gtest/gtest.h>
@@ -32,7 +34,10 @@ struct Scene {
 
   LabelImage aligned(LabelImage labels, int smallest = 3) const {
     CreaseMemory memory;
+    LabelImage again = labels;
     alignCreases(grid, planes, Eigen::Vector3d::Zero(), kNoise, kTolerance, smallest, memory, labels);
+    alignCreases(grid, planes, Eigen::Vector3d::Zero(), kNoise, kTolerance, smallest, memory, again, 2);  // memory as left
+    EXPECT_EQ(again.labels, labels.labels);
     return labels;
   }
 
@@ -94,6 +99,45 @@ TEST(AlignCreases, LeavesStepsAsTheyAre) {
     const Scene scene({surfaceOf({back, left}), surfaceOf({front, right})}, {back, front});
     EXPECT_EQ(scene.wrong(scene.aligned(scene.truth)), 0) << ahead;
   }
+}
+
+// Plainly: ranges at which a beam meets the planes, compared in double precision.
+TEST(CreaseLanes, CompareRangesWithoutDividing) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  const auto vector = [&] { return Eigen::Vector3d(any(random), any(random), any(random)); };
+  int apart = 0, open = 0, farther = 0;
+  for (int trial = 0; trial < 500; ++trial) {
+    BeamGrid grid = forwardBeams(2, 4, 0.1);
+    grid.origin_x = grid.origin_y = grid.origin_z = std::vector<float>(8);
+    const Eigen::Vector3d center = vector(), a = Eigen::Vector3d(0.4, 0.1, 0.1) + 0.2 * vector();
+    const Eigen::Vector3d b = trial % 2 == 0 ? Eigen::Vector3d(a + 0.02 * vector()) : vector();
+    for (int i = 0; i < 8; ++i) {
+      const Eigen::Vector3f origin = 0.1F * vector().cast<float>();
+      grid.origin_x[i] = origin.x(), grid.origin_y[i] = origin.y(), grid.origin_z[i] = origin.z();
+      const double range = (1.0 - a.dot(grid.origin(i).cast<double>() - center)) / a.dot(grid.direction(i).cast<double>());
+      grid.range[i] = i == 3 ? 0.0F : static_cast<float>(range + 0.1 * any(random));
+    }
+    const int pixels[kLanes] = {6, 1, 3, 4};
+    const LaneMask of_first = {-1, 0, -1, 0};
+    const Lanes variance = {0.001F, 0.002F, 0.001F, 0.001F};
+    const auto found =
+        CreaseLanes(a, b, center).compare(BeamLanes(grid, pixels, firstLanes(4)), variance, of_first, 1, 1.5, 2.5);
+    for (int k = 0; k < kLanes; ++k) {
+      const auto rangeTo = [&](const Eigen::Vector3d& plane) {
+        return (1.0 - plane.dot(grid.origin(pixels[k]).cast<double>() - center)) /
+               plane.dot(grid.direction(pixels[k]).cast<double>());
+      };
+      const double first = rangeTo(a), second = rangeTo(b), difference = first - second, sigma = std::sqrt(variance[k]);
+      const double residual = std::abs(grid.range[pixels[k]] - (of_first[k] != 0 ? second : first));
+      const bool met = grid.valid(pixels[k]) && first > 0.0 && second > 0.0;
+      EXPECT_EQ(found.apart[k] != 0, met && std::abs(difference) > sigma);
+      EXPECT_EQ(found.open[k] != 0, met && std::abs(difference) < 1.5 * sigma && residual < 2.5 * sigma);
+      EXPECT_EQ(found.first_farther[k] != 0, met && difference > 0.0);
+      apart += found.apart[k] != 0, open += found.open[k] != 0, farther += found.first_farther[k] != 0;
+    }
+  }
+  for (const int count : {apart, open, farther}) EXPECT_GT(count, 100);
 }
 
 TEST(AlignCreases, RegionsThatAreTooSmallTakeNoPart) {

@@ -13,27 +13,46 @@ namespace ppc {
 
 /// @brief Working memory of alignCreases(), which one image after the other may use.
 struct CreaseMemory {
-  /// A place where two labels, first < second, are next to each other: at `pixel` and one row or column before it.
-  struct Meeting {
+  /// Two labels, first < second, that are next to each other somewhere.
+  struct LabelPair {
     std::int32_t first, second;
-    int pixel, step;  ///< step: 1 along a row, the number of columns along a column
+    int index;     ///< in the order of their first meetings
+    int meetings;  ///< how many
+    int begin;     ///< of theirs in `places`
   };
-  /// A pixel near a border of two labels.
+  /// Where labels meet: at `pixel` and one row or column before it.
+  struct Place {
+    int pixel;
+    int step;  ///< 1 along a row, the number of columns along a column
+  };
+  struct Meeting {
+    int pair;  ///< its index
+    Place place;
+  };
+  /// A pixel that may be of either label.
   struct Candidate {
     int pixel;
     bool first_farther;  ///< whether its beam meets the plane of the first label behind that of the second
-    bool witness;        ///< whether the planes are clearly apart there
-    bool open;           ///< whether it may be of either
   };
   struct Change {
     int pixel;
     std::int32_t label;
   };
-  std::vector<int> points;        ///< of each label
-  std::vector<Meeting> meetings;  ///< by pairs of labels
-  std::vector<int> seen;          ///< pixels: number of the pair that has looked at them last
-  std::vector<Candidate> near;    ///< of one pair
-  std::vector<Change> changes;
+  /// What a thread has for itself.
+  struct Worker {
+    std::vector<int> seen;  ///< pixels: stamp of the pair that has looked at them last
+    int stamp = 0;          ///< of the last pair
+    std::vector<int> near;  ///< pixels near the border of a pair, the first `count`
+    int count = 0;
+    std::vector<Candidate> open;  ///< of a pair
+  };
+  std::vector<int> points;                   ///< of each label
+  std::vector<LabelPair> pairs;                   ///< ascending
+  std::vector<Meeting> meetings;             ///< in scan order
+  std::vector<int> next;                     ///< of each pair, by index: where its next meeting goes in `places`
+  std::vector<Place> places;                 ///< the meetings, pair by pair
+  std::vector<std::vector<Change>> changes;  ///< of each pair, and maybe more lists
+  std::vector<Worker> workers;
 };
 
 /// @brief Draws the borders of regions that meet at a crease along the line where their planes meet.
@@ -47,6 +66,6 @@ struct CreaseMemory {
 /// @param smallest points that a region has at least; others take no part.
 void alignCreases(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
                   const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, CreaseMemory& memory,
-                  LabelImage& labels);
+                  LabelImage& labels, int threads = 1);
 
 }  // namespace ppc
