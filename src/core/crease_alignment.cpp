@@ -31,29 +31,53 @@ class MeetingFinder {
 
   void find(std::size_t labels) {
     memory_.points.assign(labels, 0);
-    forEachRun(labels_, [&](std::int32_t label, int begin, int end) { memory_.points[label] += end - begin; });
     memory_.pairs.clear();
     memory_.meetings.clear();
-    forEachChange(labels_, [&](int pixel, int step, int) { meet(pixel, step); });
-    memory_.next.resize(memory_.pairs.size());
-    int begin = 0;
-    for (LabelPair& pair : memory_.pairs) {
-      memory_.next[pair.index] = pair.begin = begin;
-      begin += pair.meetings;
+    for (int r = 0; r < labels_.rows; ++r) {
+      listAlongRow(r);
+      if (r > 0) forEachChangeFromAbove(labels_, r, [&](int pixel) { meet(pixel, labels_.cols); });
     }
-    memory_.places.resize(memory_.meetings.size());
-    for (const CreaseMemory::Meeting& meeting : memory_.meetings) {
-      memory_.places[memory_.next[meeting.pair]++] = meeting.place;
-    }
+    groupByPair();
   }
 
  private:
+  // Counts the points of the row's labels on the way.
+  void listAlongRow(int r) {
+    const int row = r * labels_.cols;
+    const std::int32_t* const pixels = labels_.labels.data() + row;
+    for (int begin = 0, end = 0; begin < labels_.cols; begin = end) {
+      end = runEnd(pixels, begin, labels_.cols);
+      if (pixels[begin] > 0) memory_.points[pixels[begin]] += end - begin;
+      if (begin > 0) meet(row + begin, 1);
+    }
+  }
+
   void meet(int pixel, int step) {
     const std::int32_t a = labels_.labels[pixel - step], b = labels_.labels[pixel];
-    if (a <= 0 || b <= 0 || memory_.points[a] < smallest_ || memory_.points[b] < smallest_) return;
+    if (a <= 0 || b <= 0) return;
     LabelPair& pair = pairOf(std::min(a, b), std::max(a, b));
     ++pair.meetings;
     memory_.meetings.push_back({pair.index, {pixel, step}});
+  }
+
+  // Only pairs whose regions are large enough remain.
+  void groupByPair() {
+    std::vector<LabelPair>& pairs = memory_.pairs;
+    memory_.next.assign(pairs.size(), -1);
+    const auto small = [&](const LabelPair& pair) {
+      return memory_.points[pair.first] < smallest_ || memory_.points[pair.second] < smallest_;
+    };
+    pairs.erase(std::remove_if(pairs.begin(), pairs.end(), small), pairs.end());
+    int begin = 0;
+    for (LabelPair& pair : pairs) {
+      memory_.next[pair.index] = pair.begin = begin;
+      begin += pair.meetings;
+    }
+    memory_.places.resize(static_cast<std::size_t>(begin));
+    for (const CreaseMemory::Meeting& meeting : memory_.meetings) {
+      int& next = memory_.next[meeting.pair];
+      if (next >= 0) memory_.places[next++] = meeting.place;
+    }
   }
 
   LabelPair& pairOf(std::int32_t first, std::int32_t second) {

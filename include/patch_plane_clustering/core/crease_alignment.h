@@ -46,11 +46,11 @@ struct CreaseMemory {
     int count = 0;
     std::vector<Candidate> open;  ///< of a pair
   };
-  std::vector<int> points;                   ///< of each label
-  std::vector<LabelPair> pairs;                   ///< ascending
-  std::vector<Meeting> meetings;             ///< in scan order
-  std::vector<int> next;                     ///< of each pair, by index: where its next meeting goes in `places`
-  std::vector<Place> places;                 ///< the meetings, pair by pair
+  std::vector<int> points;        ///< of each label
+  std::vector<LabelPair> pairs;   ///< ascending
+  std::vector<Meeting> meetings;  ///< in scan order
+  std::vector<int> next;          ///< of each pair, by index: where its next meeting goes in `places`; -1: it takes no part
+  std::vector<Place> places;      ///< the meetings, pair by pair
   std::vector<std::vector<Change>> changes;  ///< of each pair, and maybe more lists
   std::vector<Worker> workers;
 };

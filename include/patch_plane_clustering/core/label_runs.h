@@ -43,6 +43,24 @@ inline LaneMask labelsAt(const LabelImage& labels, int i, int count) {
   return inside ? loadLanes<LaneMask>(at) : loadLanes<LaneMask>(at, count);
 }
 
+/// Calls f(pixel) for every pixel of row `r` above 0 whose label differs from that of the pixel above it.
+template <typename F>
+void forEachChangeFromAbove(const LabelImage& labels, int r, F&& f) {
+  const std::int32_t* const row = labels.labels.data() + static_cast<std::size_t>(r) * labels.cols;
+  const std::int32_t* const above = row - labels.cols;
+  const auto differ = [&](int c) { return loadLanes<LaneMask>(row + c) != loadLanes<LaneMask>(above + c); };
+  for (int c = 0; c < labels.cols;) {
+    if (c + 4 * kLanes <= labels.cols &&
+        !anyLane((differ(c) | differ(c + kLanes)) | (differ(c + 2 * kLanes) | differ(c + 3 * kLanes)))) {
+      c += 4 * kLanes;
+      continue;
+    }
+    for (const int end = std::min(c + 4 * kLanes, labels.cols); c < end; ++c) {
+      if (row[c] != above[c]) f(r * labels.cols + c);
+    }
+  }
+}
+
 /// Calls f(pixel, step, place) for every pixel whose label differs from that of the pixel before it: in its row (step 1),
 /// and in its column (step: the number of columns). `place` is the pixel's column or row. Row by row, along rows first.
 template <typename F>
@@ -53,16 +71,7 @@ void forEachChange(const LabelImage& labels, F&& f) {
     for (int c = 0; c < labels.cols; c = runEnd(pixels + row, c, labels.cols)) {
       if (c > 0) f(row + c, 1, c);
     }
-    for (int c = 0; r > 0 && c < labels.cols;) {
-      const int i = row + c;
-      if (c + kLanes <= labels.cols &&
-          !anyLane(loadLanes<LaneMask>(pixels + i) != loadLanes<LaneMask>(pixels + i - labels.cols))) {
-        c += kLanes;
-        continue;
-      }
-      if (pixels[i] != pixels[i - labels.cols]) f(i, labels.cols, r);
-      ++c;
-    }
+    if (r > 0) forEachChangeFromAbove(labels, r, [&](int pixel) { f(pixel, labels.cols, r); });
   }
 }
 
