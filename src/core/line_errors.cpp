@@ -14,11 +14,17 @@ namespace ppc {
 namespace {
 
 constexpr int kMinLines = 16;
+constexpr int kBeams = 160;      // of a line that are looked at
 constexpr int kMinSamples = 30;  // of a line
 constexpr int kGlance = 3;       // every so many lines tell whether the others need to be looked at
 constexpr int kMaxGlances = 36;
-constexpr int kRounds = 3;      // of turning lines: each makes slopes better known
-constexpr int kDriftLines = 8;  // to either side: slower changes of tilt are left alone
+// Most images have no such errors: fewer beams of these lines tell whether they may have. As they tell less surely, errors
+// are suspected at a lower limit: half the significance of so few beams is still less than the whole of all.
+constexpr int kFewBeams = 64;          // of a line
+constexpr double kSuspicion = 0.5;     // of the limits
+constexpr int kMinLinesSuspected = 8;  // less cannot tell
+constexpr int kRounds = 3;             // of turning lines: each makes slopes better known
+constexpr int kDriftLines = 8;         // to either side: slower changes of tilt are left alone
 // Where tilts come in steps, only the lines beside a step are off against their neighbours, so many tell how much:
 constexpr double kStepShare = 0.85;
 constexpr double kStepQuantile = 1.44;   // of that many absolute values of a normal distribution
@@ -42,12 +48,13 @@ struct LineNoise {
   bool significant = false;
 };
 
-LineNoise measureNoise(Component component, LineErrorMemory& memory) {
+// @param beams of the lines that were looked at. @param share of the limits from which errors are significant.
+LineNoise measureNoise(Component component, LineErrorMemory& memory, int beams = kBeams, double share = 1.0) {
   std::vector<double>&sizes = memory.sizes, &spreads = memory.spreads, &deviations = memory.deviations;
   std::vector<double>&slopes = memory.slopes, &uneven = memory.uneven;
   for (std::vector<double>* numbers : {&sizes, &spreads, &deviations, &slopes, &uneven}) numbers->clear();
   for (const LineMisfit& m : memory.misfits) {
-    if ((m.*component).samples < kMinSamples) continue;
+    if ((m.*component).samples * kBeams < kMinSamples * beams) continue;
     sizes.push_back(std::abs((m.*component).value));
     deviations.push_back((m.*component).deviation);
     spreads.push_back(m.spread);
@@ -62,17 +69,19 @@ LineNoise measureNoise(Component component, LineErrorMemory& memory) {
   // Half a neighbour's error on either side adds to a line's own: 1 + 1/4 + 1/4.
   noise.error = std::sqrt(std::max(0.0, noise.misfit * noise.misfit - deviation * deviation) / 1.5);
   const double shown = component == kRange ? noise.error : noise.error * median(slopes);  // in ranges
-  noise.significant = shown > std::max(kLeastError, kLeastShare * spread) && noise.misfit > kSignificance * deviation;
+  noise.significant =
+      shown > share * std::max(kLeastError, kLeastShare * spread) && noise.misfit > share * kSignificance * deviation;
   return noise;
 }
 
 // Of one in `stride` lines, and nothing of the others: memory.misfits.
-void measureMisfits(const GridLines& lines, LineErrorKind kind, int stride, LineErrorMemory& memory, int threads) {
+void measureMisfits(const GridLines& lines, LineErrorKind kind, int stride, LineErrorMemory& memory, int threads,
+                    int beams = kBeams) {
   memory.misfits.assign(static_cast<std::size_t>(lines.count()), LineMisfit());
   const auto measure = [&](int begin, int end, LineMisfitMemory& scratch) {
     for (int n = begin; n < end; ++n) {
       const int k = n * stride + 5 * n % stride;  // never in step with the steps of an encoder
-      if (k > 0 && k + 1 < lines.count()) memory.misfits[k] = measureLineMisfit(lines, k, kind, scratch);
+      if (k > 0 && k + 1 < lines.count()) memory.misfits[k] = measureLineMisfit(lines, k, kind, beams, scratch);
     }
   };
   forEachRange(threads, (lines.count() + stride - 1) / stride, memory.of_thread, measure);
@@ -153,12 +162,21 @@ double leftOf(const LineErrors& errors, const BeamGrid& grid, int stride, LineEr
   return left.empty() ? 0.0 : quantile(left, kStepShare);
 }
 
+// Whether lines may have errors, at a first look. @param stride of the lines that are looked at otherwise.
+bool maySuffer(const GridLines& lines, int stride, LineErrorMemory& memory, int threads) {
+  if (lines.count() < kMinLinesSuspected * stride) return true;
+  measureMisfits(lines, LineErrorKind::kBoth, stride, memory, threads, kFewBeams);
+  return measureNoise(kRange, memory, kFewBeams, kSuspicion).significant ||
+         measureNoise(kTurn, memory, kFewBeams, kSuspicion).significant;
+}
+
 LineErrors estimateAlong(const BeamGrid& grid, bool in_columns, LineErrorMemory& memory, int threads) {
   const GridLines lines(grid, in_columns);
   LineErrors ranges;
   ranges.in_columns = in_columns;
   if (lines.count() < kMinLines) return ranges;
   const int stride = std::max(kGlance, lines.count() / kMaxGlances);
+  if (!maySuffer(lines, stride, memory, threads)) return ranges;
   measureMisfits(lines, LineErrorKind::kRange, stride, memory, threads);
   if (measureNoise(kRange, memory).significant) {
     ranges = errorsOf(grid, in_columns, LineErrorKind::kRange, memory, threads);

@@ -12,7 +12,6 @@
 namespace ppc {
 namespace {
 
-constexpr int kSamples = 160;             // beams of a line that are looked at
 constexpr int kRounds = 3;                // of fitting one error given the other
 constexpr double kMedianLoss = 1.2533;    // standard deviation of a median over that of a mean
 constexpr float kLeastMotion = 0.1F;      // of a beam, over that of the beam that moves most
@@ -89,12 +88,12 @@ void weighNeighbours(const GridLines& lines, int line, LineMisfit& misfit) {
   misfit.after = back / (back + on);
 }
 
-void sampleLine(const GridLines& lines, int line, const GridLines::Span& span, bool turns, const LineMisfit& misfit,
-                std::vector<LineSample>& samples) {
+void sampleLine(const GridLines& lines, int line, const GridLines::Span& span, bool turns, int beams,
+                const LineMisfit& misfit, std::vector<LineSample>& samples) {
   const BeamGrid& grid = lines.grid();
   const auto before = static_cast<float>(misfit.before), after = static_cast<float>(misfit.after);
   samples.clear();
-  const int stride = std::max(1, lines.beams() / kSamples);
+  const int stride = std::max(1, lines.beams() / beams);
   for (int beam = line % stride; beam < lines.beams(); beam += stride) {
     const int i = lines.pixel(line, beam), back = i - lines.lineStep(), on = i + lines.lineStep();
     // The weighted sum of two unit vectors is a little shorter than the one between them.
@@ -110,7 +109,7 @@ void sampleLine(const GridLines& lines, int line, const GridLines::Span& span, b
 
 }  // namespace
 
-LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kind, LineMisfitMemory& memory) {
+LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kind, int beams, LineMisfitMemory& memory) {
   std::vector<LineSample>& samples = memory.samples;
   std::vector<float>& scratch = memory.numbers;
   const bool turns = kind != LineErrorKind::kRange, ranges = kind != LineErrorKind::kTurn;
@@ -118,7 +117,7 @@ LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kin
   const GridLines::Span span = lines.spanAround(line);
   if (turns && !(span.angle > 0.0)) return misfit;
   if (!turns) weighNeighbours(lines, line, misfit);  // else the fit itself tells where the line lies between the two
-  sampleLine(lines, line, span, turns, misfit, samples);
+  sampleLine(lines, line, span, turns, beams, misfit, samples);
   misfit.range.samples = static_cast<int>(samples.size());
   if (samples.empty()) return misfit;
 

@@ -45,7 +45,8 @@ struct LineMisfitMemory {
 
 /// @brief Fits what a line is off, robustly: on a plane inverse range is linear in the direction of the beam, so each beam
 /// is predicted by the two beside it. An error of range moves all beams alike, one of tilt in proportion to the slope.
-/// @param line neither the first nor the last. @param memory overwritten.
-LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kind, LineMisfitMemory& memory);
+/// @param line neither the first nor the last. @param beams of the line that are looked at, about.
+/// @param memory overwritten.
+LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kind, int beams, LineMisfitMemory& memory);
 
 }  // namespace ppc
