@@ -5,6 +5,7 @@
 #include "patch_plane_clustering/core/quantile.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -50,17 +51,31 @@ double quantileFactor(double dof) {
   return root * root * root;
 }
 
+// The same for the numbers of points that most patches have, which are few: roots and divisions once each.
+class QuantileFactors {
+ public:
+  QuantileFactors() {
+    for (int n = kMinPoints; n < kKnown; ++n) factors_[static_cast<std::size_t>(n)] = quantileFactor(n - 3);
+  }
+  double of(int n) const { return n < kKnown ? factors_[static_cast<std::size_t>(n)] : quantileFactor(n - 3); }
+
+ private:
+  static constexpr int kKnown = 256;
+  std::array<double, kKnown> factors_{};
+};
+
 // Variances of the patches that have points enough, bin by bin.
 void sortVariances(const PatchGrid& patches, NoiseMemory& memory, int threads) {
   std::vector<int>&bin = memory.bin, &begin = memory.bin_begin;
   bin.resize(patches.patches.size());
   memory.variance.resize(bin.size());
+  static const QuantileFactors factors;
   forEachRange(threads, static_cast<int>(bin.size()), [&](int first, int last) {
     for (int p = first; p < last; ++p) {
       const Patch& patch = patches.patches[p];
       bin[p] = patch.moments.n < kMinPoints ? -1 : binOf(patch.range);
       const double dof = patch.moments.n - 3;
-      if (bin[p] >= 0) memory.variance[p] = patch.fit.chi2 / dof / quantileFactor(dof);
+      if (bin[p] >= 0) memory.variance[p] = patch.fit.chi2 / dof / factors.of(patch.moments.n);
     }
   });
   begin.assign(kBins + 1, 0);

@@ -2,8 +2,11 @@
 #include "patch_plane_clustering/sim/scene.h"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 namespace ppc::sim {
 
@@ -35,6 +38,22 @@ Plane Scene::planeInBase(std::int32_t id) const {
     return plane;
   }
   throw std::invalid_argument("scene has no plane " + std::to_string(id) + ", allowed: 1 to " + std::to_string(planes_));
+}
+
+std::vector<std::int32_t> Scene::coplanarIds() const {
+  constexpr double kRounding = 1e-9;  // of normals, and of distances [m]
+  std::vector<std::int32_t> first(static_cast<std::size_t>(planes_) + 1, 0);
+  std::map<std::int32_t, Plane> planes;
+  for (const Surface& s : surfaces_) {
+    if (s.plane_id != 0 && planes.count(s.plane_id) == 0) planes[s.plane_id] = planeInBase(s.plane_id);
+  }
+  for (const auto& [id, plane] : planes) {
+    const auto same = [&plane = plane](const std::pair<const std::int32_t, Plane>& other) {
+      return (other.second.normal - plane.normal).norm() < kRounding && std::abs(other.second.d - plane.d) < kRounding;
+    };
+    first[id] = std::find_if(planes.begin(), planes.end(), same)->first;
+  }
+  return first;
 }
 
 void Scene::build() {

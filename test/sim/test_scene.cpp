@@ -132,6 +132,27 @@ TEST(Scene, BowTouchesLargeFacesOnlyAndCanBeTakenBack) {
   for (const Surface& s : scene.surfaces()) EXPECT_EQ(s.bow, 0.0);
 }
 
+TEST(Scene, FacesOfOnePlaneAreKnownAsSuch) {
+  // Cheeks of a ramp and sides of the platform that it leads to.
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const Scene scene = makeScene("creases", seed);
+    const std::vector<std::int32_t> first = scene.coplanarIds();
+    ASSERT_EQ(first.size(), static_cast<std::size_t>(scene.planeCount()) + 1);
+    EXPECT_EQ(first[0], 0);
+    for (std::int32_t id = 1; id <= scene.planeCount(); ++id) {
+      const Plane plane = scene.planeInBase(id);
+      EXPECT_LE(first[id], id);
+      for (std::int32_t other = 1; other < id; ++other) {
+        const Plane before = scene.planeInBase(other);
+        const double apart = (plane.normal - before.normal).norm() + std::abs(plane.d - before.d);
+        EXPECT_EQ(first[id] == first[other], apart < 1e-6) << seed << ": " << id << " and " << other << ", " << apart;
+      }
+    }
+  }
+  const std::vector<std::int32_t> of_box = makeScene("box", 1).coplanarIds();
+  for (std::size_t id = 0; id < of_box.size(); ++id) EXPECT_EQ(of_box[id], static_cast<std::int32_t>(id));
+}
+
 TEST(Scene, EmptySceneIsNeverHit) {
   const Hit hit = makeScene("empty", 0).cast(Vector3d::Zero(), Vector3d::UnitX());
   EXPECT_TRUE(std::isinf(hit.range));

@@ -47,6 +47,10 @@ class Scene {
   /// unknown.
   Plane planeInBase(std::int32_t id) const;
 
+  /// For every id the first one whose ideal plane is the same; index = id. Where such faces touch, no measurement tells them
+  /// apart.
+  std::vector<std::int32_t> coplanarIds() const;
+
   /// Builds the bounding volume hierarchy that cast() needs.
   void build();
 

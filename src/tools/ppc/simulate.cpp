@@ -110,10 +110,14 @@ void run(const Options& o) {
     writeBag(o.bag, [&](rosbag::Bag& bag) { writeSimulatedBag(scanner, o.sweeps, bag); });
   }
   if (o.pcd.empty() && o.truth.empty() && o.truth_planes.empty()) return;
+  const std::vector<std::int32_t> coplanar = scanner.scene().coplanarIds();
   for (int i = 0; i < o.sweeps; ++i) {
     sim::Sweep sweep = scanner.sweep(i);
     const LabelImage ids = sweep.labels;
-    if (o.pieces) splitComponents(kPieceGap, kPieceGap, sweep.labels);
+    if (o.pieces) {
+      for (std::int32_t& label : sweep.labels.labels) label = coplanar[label];
+      splitComponents(kPieceGap, kPieceGap, sweep.labels);
+    }
     if (!o.pcd.empty()) writeCloud(sweep.image, numbered(o.pcd, i, o.sweeps > 1));
     if (!o.truth.empty()) writeLabels(sweep.labels, numbered(o.truth, i, o.sweeps > 1));
     if (!o.truth_planes.empty()) {
@@ -159,8 +163,9 @@ void addSimulate(CLI::App& app) {
   sub->add_option("--pcd", o->pcd, "Organised cloud to write (x y z, NaN = invalid); numbered if there are several sweeps");
   sub->add_option("--truth", o->truth, "Ground-truth labels to write (16-bit PNG, 0 = no plane); numbered likewise");
   sub->add_option("--truth-planes", o->truth_planes, "Ideal plane of each label to write (JSON); numbered likewise");
-  sub->add_flag("--truth-pieces", o->pieces,
-                "Label each piece of a plane that is connected in the image (gaps of 2 bridged) apart");
+  sub->add_flag(
+      "--truth-pieces", o->pieces,
+      "Label each piece of a plane that is connected in the image (gaps of 2 bridged) apart; coplanar faces are one plane");
   sub->callback([o] { run(*o); });
 }
 
