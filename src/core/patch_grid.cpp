@@ -18,6 +18,7 @@ constexpr double kAspect = 1.3;
 constexpr int kStepCols = 8;  // columns between those where the step from row to row is measured
 // Rows whose patches are summed and stored together: as few as the processor can fetch ahead.
 constexpr int kBandRows = 8;
+constexpr int kFetchAhead = 12;  // patches
 
 double angleBetween(const BeamGrid& grid, int a, int b) { return (grid.direction(a) - grid.direction(b)).norm(); }
 
@@ -189,12 +190,30 @@ void listPatches(const BeamGrid& grid, const LabelImage* done, int threads, Patc
   });
 }
 
+// Has the processor fetch the pixels of a patch: what is read of a grid lies in too many streams for it to foresee all.
+void fetch(const BeamGrid& grid, const Patch& patch) {
+  constexpr int kLine = 16;  // numbers fetched together
+  if (patch.col_begin % kLine >= patch.col_end - patch.col_begin) return;  // have come with those of the patch before
+  const bool origins = !grid.origin_x.empty();
+  for (int r = patch.row_begin; r < patch.row_end; ++r) {
+    const int i = grid.index(r, patch.col_begin);
+    for (const std::vector<float>* numbers : {&grid.range, &grid.dir_x, &grid.dir_y, &grid.dir_z}) {
+      __builtin_prefetch(numbers->data() + i);
+    }
+    if (!origins) continue;
+    for (const std::vector<float>* numbers : {&grid.origin_x, &grid.origin_y, &grid.origin_z}) {
+      __builtin_prefetch(numbers->data() + i);
+    }
+  }
+}
+
 // Sums and fits the patches [begin, end).
 template <typename Choose>
 void sumPatches(const BeamGrid& grid, int begin, int end, const Choose& choose, PatchGrid& out) {
   PatchFitter fitter(out.center);
   for (int p = begin; p < end; ++p) {
     Patch& patch = out.patches[p];
+    if (p + kFetchAhead < end) fetch(grid, out.patches[p + kFetchAhead]);
     const BlockSums sums = sumPixels(grid, patch.row_begin, patch.row_end, patch.col_begin, patch.col_end, choose);
     if (sums.empty) {
       patch.moments = Moments();
