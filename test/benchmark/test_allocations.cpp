@@ -42,7 +42,7 @@ TEST_F(Allocations, OfLabelsAreFewAfterTheFirstFrame) {
   const std::int64_t first = allocationsOf(frame);
   const std::int64_t second = allocationsOf(frame);
   RecordProperty("second", static_cast<int>(second));
-  EXPECT_LE(second, 400) << "of " << first << " in the first";
+  EXPECT_LE(second, 300) << "of " << first << " in the first";
   EXPECT_GT(first, 2 * second);
   EXPECT_EQ(allocationsOf(frame), second);
 }
