@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/label_meetings.h"
+
+#include "patch_plane_clustering/core/parallel.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace ppc {
+namespace {
+
+// Where labels meet in and from cells [begin, end), cell by cell.
+std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellLabels& all, int begin, int end) {
+  std::vector<Meeting> meetings;
+  meetings.reserve(static_cast<std::size_t>(end - begin));
+  for (int i = begin; i < end; ++i) {
+    if (!isBorderCell(cells, all.only, i)) continue;
+    for (int s = all.begin[i]; s < all.begin[i + 1]; ++s) {
+      const std::int32_t a = all.labels[s];
+      const auto meet = [&](int t, int j) {
+        const std::int32_t b = all.labels[t];
+        if (a != b) meetings.push_back({Meeting::keyOf(a, b), a < b ? i : j, a < b ? j : i});
+      };
+      for (int t = s + 1; t < all.begin[i + 1]; ++t) meet(t, i);
+      cells.forEachNeighbour(i, [&](int j) {
+        if (j < i) return;
+        for (int t = all.begin[j]; t < all.begin[j + 1]; ++t) meet(t, j);
+      });
+    }
+  }
+  return meetings;
+}
+
+void sortGroups(std::vector<MeetingGroup>& groups) {
+  std::sort(groups.begin(), groups.end(),
+            [](const MeetingGroup& a, const MeetingGroup& b) { return a.key != b.key ? a.key < b.key : a.begin < b.begin; });
+}
+
+}  // namespace
+
+std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellLabels& all, int threads) {
+  const int count = static_cast<int>(all.only.size()), parts = std::max(1, threads);
+  std::vector<std::vector<Meeting>> found(static_cast<std::size_t>(parts));
+  forEachPart(threads, parts, [&](int part) {
+    found[part] = findMeetings(cells, all, partBegin(count, parts, part), partBegin(count, parts, part + 1));
+  });
+  for (int part = 1; part < parts; ++part) found[0].insert(found[0].end(), found[part].begin(), found[part].end());
+  return std::move(found[0]);
+}
+
+std::vector<MeetingGroup> groupMeetings(std::vector<Meeting>& meetings) {
+  std::vector<MeetingGroup> groups;  // first, those that were found one after the other: far fewer to sort
+  const int count = static_cast<int>(meetings.size());
+  for (int begin = 0, end = 0; begin < count; begin = end) {
+    for (end = begin + 1; end < count && meetings[end].key == meetings[begin].key;) ++end;
+    groups.push_back({meetings[begin].key, begin, end, false});
+  }
+  sortGroups(groups);
+  std::vector<Meeting> sorted;
+  sorted.reserve(meetings.size());
+  std::size_t kept = 0;
+  for (const MeetingGroup& group : groups) {
+    const int begin = static_cast<int>(sorted.size());
+    sorted.insert(sorted.end(), meetings.begin() + group.begin, meetings.begin() + group.end);
+    const int end = static_cast<int>(sorted.size());
+    if (kept > 0 && groups[kept - 1].key == group.key) {
+      groups[kept - 1].end = end;
+    } else {
+      groups[kept++] = {group.key, begin, end, false};
+    }
+  }
+  groups.resize(kept);
+  std::swap(meetings, sorted);
+  return groups;
+}
+
+void renameGroups(const std::vector<std::int32_t>& now, std::vector<MeetingGroup>& groups) {
+  std::size_t kept = 0;
+  for (MeetingGroup group : groups) {
+    const LabelPair pair = Meeting::pairOf(group.key);
+    const std::int32_t a = now[pair.first], b = now[pair.second];
+    if (a == b) continue;
+    group.key = Meeting::keyOf(a, b);
+    group.swapped = group.swapped != (a > b);
+    groups[kept++] = group;
+  }
+  groups.resize(kept);
+  sortGroups(groups);
+}
+
+}  // namespace ppc
