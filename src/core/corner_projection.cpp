@@ -136,8 +136,8 @@ RangesAround rangesAround(const BeamGrid& grid, const LabelImage& labels, std::i
   RangesAround around{fill(std::numeric_limits<float>::infinity()), none};
   const auto add = [&](Lanes range, LaneMask label) {
     const LaneMask own = (label == fillMask(id)) & (range > none);
-    around.shortest = own & (range < around.shortest) ? range : around.shortest;
-    around.longest = own & (range > around.longest) ? range : around.longest;
+    around.shortest = (own & (range < around.shortest)) ? range : around.shortest;
+    around.longest = (own & (range > around.longest)) ? range : around.longest;
   };
   const auto addRow = [&](const int(&pixels)[kLanes]) {
     const auto range = readSides<kOneColumn, Lanes>(grid.range, pixels);

@@ -192,7 +192,7 @@ void listPatches(const BeamGrid& grid, const LabelImage* done, int threads, Patc
 
 // Has the processor fetch the pixels of a patch: what is read of a grid lies in too many streams for it to foresee all.
 void fetch(const BeamGrid& grid, const Patch& patch) {
-  constexpr int kLine = 16;  // numbers fetched together
+  constexpr int kLine = 16;                                                // numbers fetched together
   if (patch.col_begin % kLine >= patch.col_end - patch.col_begin) return;  // have come with those of the patch before
   const bool origins = !grid.origin_x.empty();
   for (int r = patch.row_begin; r < patch.row_end; ++r) {
