@@ -45,7 +45,7 @@ std::vector<float> coordinates(const std::string& path, const pcl::PCLPointCloud
 
 BeamGrid readCloud(const std::string& path, std::string* note) {
   requireReadableFile(path);
-  checkPcdHeader(path);
+  const bool at_origin = checkPcdHeader(path);
   pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);  // one line of ours instead of several of PCL's
   pcl::PCLPointCloud2 cloud;
   int status = -1;
@@ -59,7 +59,6 @@ BeamGrid readCloud(const std::string& path, std::string* note) {
     cause = std::string(" (") + error.what() + ")";
   }
   if (status < 0) fail(path, "cannot be read as a PCD file" + cause);
-  const bool at_origin = origin.head<3>().isZero() && orientation.angularDistance(Eigen::Quaternionf::Identity()) < 1e-3F;
   if (note != nullptr && !at_origin)
     *note = path + ": its VIEWPOINT is left out; its points are taken as the sensor saw them";
   const auto x = coordinates(path, cloud, "x");

@@ -2,7 +2,9 @@
 #include "pcd_header.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -92,9 +94,27 @@ PointSize pointSize(const std::string& path, const Header& header) {
   return size;
 }
 
+// Whether VIEWPOINT, position and quaternion (w first), is the origin or missing.
+bool seenFromOrigin(const Header& header) {
+  constexpr double kTurn = 5e-4;  // half an angle [rad]
+  const auto found = header.find("VIEWPOINT");
+  if (found == header.end()) return true;
+  double values[7] = {};
+  if (found->second.size() != std::size(values)) return false;
+  for (std::size_t i = 0; i < std::size(values); ++i) {
+    const std::string& word = found->second[i];
+    char* end = nullptr;
+    values[i] = std::strtod(word.c_str(), &end);
+    if (end != word.c_str() + word.size()) return false;
+  }
+  const double away = std::abs(values[0]) + std::abs(values[1]) + std::abs(values[2]);
+  const double turned = std::abs(values[4]) + std::abs(values[5]) + std::abs(values[6]);
+  return away < 1e-5 && turned < kTurn * std::abs(values[3]);  // not if any is NaN
+}
+
 }  // namespace
 
-void checkPcdHeader(const std::string& path) {
+bool checkPcdHeader(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) fail(path, "cannot be read");
   const Header header = readLines(path, in);
@@ -125,6 +145,7 @@ void checkPcdHeader(const std::string& path) {
     if (sizes[0] > left - 8 || sizes[1] != pixels * point.bytes)
       fail(path, "is truncated: its compressed size is not right");
   }
+  return seenFromOrigin(header);
 }
 
 }  // namespace ppc
