@@ -2,28 +2,15 @@
 #include "patch_plane_clustering/core/cell_resolver.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <limits>
 
 namespace ppc {
 namespace {
 
-constexpr float kCap = 9.0F;                // squared residual beyond which a point is an outlier: three sigma
-constexpr float kMaxWindowCost = 5.0F;      // mean capped cost over the window that a plane may have
-constexpr float kMaxOwnResidual = 12.0F;    // squared residual of the point itself
-constexpr float kMaxInnerResidual = 36.0F;  // the same amid a region, where nothing else competes for it
-
-// The valid pixel nearest to the middle of a cell, in scan order; -1 if there is none.
-int middlePixel(const BeamGrid& grid, const Patch& cell) {
-  const int width = cell.col_end - cell.col_begin, size = width * (cell.row_end - cell.row_begin);
-  const auto pixel = [&](int k) { return grid.index(cell.row_begin + k / width, cell.col_begin + k % width); };
-  for (int step = 0; step <= size / 2; ++step) {
-    if (size / 2 + step < size && grid.valid(pixel(size / 2 + step))) return pixel(size / 2 + step);
-    if (grid.valid(pixel(size / 2 - step))) return pixel(size / 2 - step);
-  }
-  return -1;
-}
+constexpr float kCap = 9.0F;              // squared residual beyond which a point is an outlier: three sigma
+constexpr float kMaxWindowCost = 5.0F;    // mean capped cost over the window that a plane may have
+constexpr float kMaxOwnResidual = 12.0F;  // squared residual of the point itself
 
 Lanes capped(Lanes squared, LaneMask valid) {
   const Lanes cost = squared < fill(kCap) ? squared : fill(kCap);
@@ -45,75 +32,13 @@ CellResiduals CellResolver::residuals(const CellNoise& noise, std::int32_t label
   return CellResiduals(noise, center_, planes_[label].cast<float>());
 }
 
-// From the sums of the cell alone, so that the pixels of most cells need not be read. With ranges r, m of the point and of
-// the plane, an outlier adds (|a . p_0| r (r - m) / (m sigma))^2 to chi-square, where p_0 is on the plane and counted from
-// the beam's start; if no range is below half the mean, that is least for r just short of the plane.
-bool CellResolver::mayHaveOutliers(const Patch& cell, std::int32_t label, int middle) const {
-  constexpr double kMargin = 0.9;  // for rounding, and starts of beams that differ within the cell
-  const Moments& m = cell.moments;
-  const double range = cell.range, patch_sigma = noise_.sigma(range), weighed = patch_sigma * patch_sigma;
-  const double spread = m.w * weighed - m.n * range * range;  // sum of squared differences from the mean range
-  const double sigma = noise_.sigma(grid_.range[middle]), distance = tolerance_.forNoise(sigma).sigma_distance;
-  const double limit2 = kMaxInnerResidual * (sigma * sigma + distance * distance);
-  const double limit = std::sqrt(limit2);
-  if (!(spread < 0.25 * range * range) || !(limit < 0.25 * range)) return true;
-  double ahead = 1.0;
-  if (!grid_.origin_x.empty()) ahead += planes_[label].dot(cells_.center - grid_.origin(middle).cast<double>());
-  const double shrunk = ahead / (1.0 + 2.0 * limit / range);
-  return !(ahead > 0.5 && chiSquare(m, planes_[label]) * weighed < kMargin * shrunk * shrunk * limit2);
-}
-
-bool CellResolver::clearOutliers(const Patch& cell, std::int32_t label, LabelImage& out) const {
-  const int middle = middlePixel(grid_, cell);
-  if (!mayHaveOutliers(cell, label, middle)) return false;  // as in most cells
-  const CellResiduals squared = residuals(noiseOf(middle), label);
-  const CellResiduals::Limit limit(squared, kMaxInnerResidual);
-  LaneMask suspected = {};
-  const int rows = cell.row_end - cell.row_begin;
-  for (int c = cell.col_begin; c < cell.col_end; c += kLanes) {
-    int i = grid_.index(cell.row_begin, c);
-    const int count = cell.col_end - c;
-    for (int k = 0; k < rows; ++k, i += grid_.cols) {
-      suspected |= limit.mayExceed(count >= kLanes ? BeamLanes(grid_, i) : BeamLanes(grid_, i, count));
-    }
-  }
-  if (!anyLane(suspected)) return false;
-  bool any = false;
-  for (int r = cell.row_begin; r < cell.row_end; ++r) {
-    for (int c = cell.col_begin; c < cell.col_end; c += kLanes) {
-      const int i = grid_.index(r, c), count = std::min(kLanes, cell.col_end - c);
-      const LaneMask outside = squared(BeamLanes(grid_, i, count)) > fill(kMaxInnerResidual);
-      for (int lane = 0; lane < count; ++lane) {
-        if (outside[lane] == 0) continue;
-        out.labels[i + lane] = 0;
-        any = true;
-      }
-    }
-  }
-  return any;
-}
-
 void CellResolver::prefetch(const Patch& cell, const LabelImage& labels) const {
   const int reach = reachOf(cell), stride = grid_.cols;
   const int begin = grid_.index(std::max(0, cell.row_begin - reach), cell.col_begin);
   const int end = grid_.index(std::min(grid_.rows, cell.row_end + reach), 0);
-  const float *const range = grid_.range.data(), *const x = grid_.dir_x.data();
-  const float *const y = grid_.dir_y.data(), *const z = grid_.dir_z.data();
-  const std::int32_t* const label = labels.labels.data();
   for (int i = begin; i < end; i += stride) {
-    __builtin_prefetch(range + i);
-    __builtin_prefetch(x + i);
-    __builtin_prefetch(y + i);
-    __builtin_prefetch(z + i);
-    __builtin_prefetch(label + i);
-  }
-  if (grid_.origin_x.empty()) return;
-  const float *const from_x = grid_.origin_x.data(), *const from_y = grid_.origin_y.data();
-  const float* const from_z = grid_.origin_z.data();
-  for (int i = begin; i < end; i += stride) {
-    __builtin_prefetch(from_x + i);
-    __builtin_prefetch(from_y + i);
-    __builtin_prefetch(from_z + i);
+    prefetchBeams(grid_, i);
+    __builtin_prefetch(labels.labels.data() + i);
   }
 }
 

@@ -190,21 +190,10 @@ void listPatches(const BeamGrid& grid, const LabelImage* done, int threads, Patc
   });
 }
 
-// Has the processor fetch the pixels of a patch: what is read of a grid lies in too many streams for it to foresee all.
-void fetch(const BeamGrid& grid, const Patch& patch) {
+void prefetch(const BeamGrid& grid, const Patch& patch) {
   constexpr int kLine = 16;                                                // numbers fetched together
   if (patch.col_begin % kLine >= patch.col_end - patch.col_begin) return;  // have come with those of the patch before
-  const bool origins = !grid.origin_x.empty();
-  for (int r = patch.row_begin; r < patch.row_end; ++r) {
-    const int i = grid.index(r, patch.col_begin);
-    for (const std::vector<float>* numbers : {&grid.range, &grid.dir_x, &grid.dir_y, &grid.dir_z}) {
-      __builtin_prefetch(numbers->data() + i);
-    }
-    if (!origins) continue;
-    for (const std::vector<float>* numbers : {&grid.origin_x, &grid.origin_y, &grid.origin_z}) {
-      __builtin_prefetch(numbers->data() + i);
-    }
-  }
+  for (int r = patch.row_begin; r < patch.row_end; ++r) prefetchBeams(grid, grid.index(r, patch.col_begin));
 }
 
 // Sums and fits the patches [begin, end).
@@ -213,7 +202,7 @@ void sumPatches(const BeamGrid& grid, int begin, int end, const Choose& choose, 
   PatchFitter fitter(out.center);
   for (int p = begin; p < end; ++p) {
     Patch& patch = out.patches[p];
-    if (p + kFetchAhead < end) fetch(grid, out.patches[p + kFetchAhead]);
+    if (p + kFetchAhead < end) prefetch(grid, out.patches[p + kFetchAhead]);
     const BlockSums sums = sumPixels(grid, patch.row_begin, patch.row_end, patch.col_begin, patch.col_end, choose);
     if (sums.empty) {
       patch.moments = Moments();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/refinement.h"
 
+#include "patch_plane_clustering/core/cell_outliers.h"
 #include "patch_plane_clustering/core/cell_resolver.h"
 #include "patch_plane_clustering/core/lanes.h"
 #include "patch_plane_clustering/core/parallel.h"
@@ -127,6 +128,7 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
   });
   forEachRange(threads, count, [&](int begin, int end) {
     CellResolver resolver(grid, cells, planes, noise, tolerance);
+    const CellOutliers outliers(grid, cells.center, planes, noise, tolerance);
     std::vector<int> found;
     for (int k = begin; k < end; ++k) {
       if (open[k] == 0) continue;
@@ -135,7 +137,7 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
       cells.forEachNeighbour(k, [&](int j) { inside = inside && (whole[j] == own || whole[j] == kEmpty); });
       if (!inside) {
         found.push_back(k);
-      } else if (resolver.clearOutliers(cells.patches[k], own, labels)) {
+      } else if (outliers.clear(cells.patches[k], own, labels)) {
         changed[k] = 1;
       }
     }

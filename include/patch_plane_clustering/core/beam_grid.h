@@ -34,6 +34,18 @@ struct BeamGrid {
   Eigen::Vector3f point(int i) const { return origin(i) + range[i] * direction(i); }
 };
 
+/// @brief Has the processor fetch what is known of the beam at a pixel, and with it of its neighbours in the row, while it
+/// does something else: a grid is more arrays than it foresees by itself.
+inline void prefetchBeams(const BeamGrid& grid, int i) {
+  for (const std::vector<float>* numbers : {&grid.range, &grid.dir_x, &grid.dir_y, &grid.dir_z}) {
+    __builtin_prefetch(numbers->data() + i);
+  }
+  if (grid.origin_x.empty()) return;
+  for (const std::vector<float>* numbers : {&grid.origin_x, &grid.origin_y, &grid.origin_z}) {
+    __builtin_prefetch(numbers->data() + i);
+  }
+}
+
 /// @brief Beams of a range image. @throws std::invalid_argument as checkConsistent().
 BeamGrid toBeamGrid(const RangeImage& image);
 

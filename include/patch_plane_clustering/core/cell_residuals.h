@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/lanes.h"
 #include "patch_plane_clustering/core/noise_model.h"
+#include "patch_plane_clustering/core/patch_grid.h"
 #include "patch_plane_clustering/core/similarity.h"
 
 #include <Eigen/Core>
@@ -11,6 +12,17 @@
 #include <limits>
 
 namespace ppc {
+
+/// @brief The valid pixel nearest to the middle of a cell, in scan order; -1 if there is none.
+inline int middlePixel(const BeamGrid& grid, const Patch& cell) {
+  const int width = cell.col_end - cell.col_begin, size = width * (cell.row_end - cell.row_begin);
+  const auto pixel = [&](int k) { return grid.index(cell.row_begin + k / width, cell.col_begin + k % width); };
+  for (int step = 0; step <= size / 2; ++step) {
+    if (size / 2 + step < size && grid.valid(pixel(size / 2 + step))) return pixel(size / 2 + step);
+    if (grid.valid(pixel(size / 2 - step))) return pixel(size / 2 - step);
+  }
+  return -1;
+}
 
 /// @brief What residuals in a cell have in common, whatever the plane: noise and tolerance change little over a cell, and
 /// are taken at one pixel.

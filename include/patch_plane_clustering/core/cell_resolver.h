@@ -19,10 +19,6 @@ class CellResolver {
   CellResolver(const BeamGrid& grid, const PatchGrid& cells, const std::vector<Eigen::Vector3d>& planes,
                const NoiseModel& noise, const CoplanarityTolerance& tolerance);
 
-  /// Clears the pixels of a cell that its only label, which all its valid pixels have, does not explain. The cell's moments
-  /// must be weighed with the noise at its mean range (weighPatches). @return whether there are any.
-  bool clearOutliers(const Patch& cell, std::int32_t label, LabelImage& out) const;
-
   /// Fetches what resolve() will read of a cell into the cache, while something else is done: its rows lie far apart.
   void prefetch(const Patch& cell, const LabelImage& labels) const;
 
@@ -47,7 +43,6 @@ class CellResolver {
   int reachOf(const Patch& cell) const;  // of windows, in rows
   CellNoise noiseOf(int pixel) const { return CellNoise(grid_, noise_, tolerance_, pixel); }
   CellResiduals residuals(const CellNoise& noise, std::int32_t label) const;
-  bool mayHaveOutliers(const Patch& cell, std::int32_t label, int middle) const;
   void layOut(const Patch& cell);
   void readRows(int col, int lanes, int begin, int end);
   void openPlaces(const Patch& cell, int col, std::int32_t first_open, bool keep, const LabelImage& labels);
