@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/ring_crossings.h"
 
+#include "patch_plane_clustering/core/cross_product.h"
+
 #include <algorithm>
 
 namespace ppc {
 namespace {
-
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 bool near(const Eigen::Vector2d& p, const RingSegment& s) {
   const Eigen::Vector2d edge = s.b - s.a;

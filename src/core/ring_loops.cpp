@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/ring_loops.h"
 
+#include "patch_plane_clustering/core/cross_product.h"
 #include "patch_plane_clustering/core/ring_crossings.h"
 #include "patch_plane_clustering/core/ring_simplification.h"
 
@@ -42,10 +43,7 @@ bool foldsOver(const std::vector<OutlinePoint>& ring, double share) {
   if (first >= n) return false;
   // Twice the areas of stretches of one handedness, each closed by its chord, and of the whole ring.
   const Eigen::Vector2d& origin = ring[first].point;
-  const auto twice = [&](const Eigen::Vector2d& p, const Eigen::Vector2d& q) {
-    const Eigen::Vector2d a = p - origin, b = q - origin;
-    return a.x() * b.y() - a.y() * b.x();
-  };
+  const auto twice = [&](const Eigen::Vector2d& p, const Eigen::Vector2d& q) { return cross(p - origin, q - origin); };
   double of_side[2] = {0.0, 0.0}, whole = 0.0;
   std::size_t begin = first;
   for (std::size_t k = 0, i = first; k < n; ++k) {

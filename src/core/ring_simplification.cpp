@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/ring_simplification.h"
 
+#include "patch_plane_clustering/core/cross_product.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 namespace ppc {
 namespace {
-
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 template <typename At>
 double ringArea(std::size_t n, const At& at) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "patch_plane_clustering/core/corner_projection.h"
+#include "patch_plane_clustering/core/cross_product.h"
 
 #include <Eigen/Core>
 #include <cmath>
@@ -63,12 +64,12 @@ inline Eigen::Vector2d foot(const Line& line, const Eigen::Vector2d& p) {
 
 /// @brief Where two lines meet or, where they are nearly parallel, the middle of the feet of `near` on both.
 inline Eigen::Vector2d meet(const Line& a, const Line& b, const Eigen::Vector2d& near) {
-  const double sine = a.direction.x() * b.direction.y() - a.direction.y() * b.direction.x();
+  const double sine = cross(a.direction, b.direction);
   const Eigen::Vector2d offset = b.point - a.point;
   if (std::abs(sine) < 0.2) {
     return 0.5 * (foot(a, near) + foot(b, near));
   }
-  const double along = (offset.x() * b.direction.y() - offset.y() * b.direction.x()) / sine;
+  const double along = cross(offset, b.direction) / sine;
   return a.point + along * a.direction;
 }
 
