@@ -12,26 +12,44 @@
 namespace ppc {
 namespace {
 
+/// A worker that is held up in item 1 until it is released.
+class HeldWorker {
+ public:
+  /// @param last the item that ends the test.
+  explicit HeldWorker(int last)
+      : worker_([this, last](const int& item) {
+          if (item == 1) {
+            started_.set_value();
+            release_.get_future().wait();
+          }
+          done_.push_back(item);
+          if (item == last) finished_.set_value();
+        }) {}
+
+  NewestWorker<int>& worker() { return worker_; }
+  void waitUntilHeld() { started_.get_future().wait(); }
+  /// What was worked on, if the last item has been in time.
+  std::vector<int> release() {
+    release_.set_value();
+    const bool in_time = finished_.get_future().wait_for(std::chrono::seconds(10)) == std::future_status::ready;
+    return in_time ? done_ : std::vector<int>();
+  }
+
+ private:
+  std::promise<void> started_, release_, finished_;
+  std::vector<int> done_;
+  NewestWorker<int> worker_;  // last: it uses all of the above
+};
+
 TEST(NewestWorker, NewestOfTheWaitingWins) {
-  std::promise<void> started, release;
-  std::vector<int> done;
-  std::promise<void> finished;
-  NewestWorker<int> worker([&](const int& item) {
-    if (item == 1) {
-      started.set_value();
-      release.get_future().wait();
-    }
-    done.push_back(item);
-    if (item == 4) finished.set_value();
-  });
+  HeldWorker held(4);
+  NewestWorker<int>& worker = held.worker();
   EXPECT_FALSE(worker.push(1).has_value());
-  started.get_future().wait();
+  held.waitUntilHeld();
   EXPECT_FALSE(worker.push(2).has_value());
   EXPECT_EQ(worker.push(3), std::optional<int>(2));
   EXPECT_EQ(worker.push(4), std::optional<int>(3));
-  release.set_value();
-  ASSERT_EQ(finished.get_future().wait_for(std::chrono::seconds(10)), std::future_status::ready);
-  EXPECT_EQ(done, (std::vector<int>{1, 4}));
+  EXPECT_EQ(held.release(), (std::vector<int>{1, 4}));
 }
 
 TEST(NewestWorker, ItemsOneByOneAreAllWorkedOn) {
@@ -50,24 +68,14 @@ TEST(NewestWorker, ItemsOneByOneAreAllWorkedOn) {
 }
 
 TEST(NewestWorker, TakesWorkForIdleTimeOnlyIfThereIsNoOther) {
-  std::promise<void> started, release, finished;
-  std::vector<int> done;
-  NewestWorker<int> worker([&](const int& item) {
-    if (item == 1) {
-      started.set_value();
-      release.get_future().wait();
-    }
-    done.push_back(item);
-    if (item == 3) finished.set_value();
-  });
+  HeldWorker held(3);
+  NewestWorker<int>& worker = held.worker();
   EXPECT_TRUE(worker.pushIfIdle(1));
-  started.get_future().wait();
+  held.waitUntilHeld();
   EXPECT_FALSE(worker.pushIfIdle(2));  // one is in work
   EXPECT_FALSE(worker.push(3).has_value());
   EXPECT_FALSE(worker.pushIfIdle(4));  // and one waits, which stays
-  release.set_value();
-  ASSERT_EQ(finished.get_future().wait_for(std::chrono::seconds(10)), std::future_status::ready);
-  EXPECT_EQ(done, (std::vector<int>{1, 3}));
+  EXPECT_EQ(held.release(), (std::vector<int>{1, 3}));
 }
 
 TEST(NewestWorker, EndsWithTheItemInWorkAndDropsTheWaiting) {
