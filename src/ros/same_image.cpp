@@ -14,17 +14,6 @@ bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-std::vector<double> numbersOf(const std::vector<geometry_msgs::Pose>& poses) {
-  std::vector<double> numbers;
-  numbers.reserve(7 * poses.size());
-  for (const geometry_msgs::Pose& pose : poses) {
-    const auto& p = pose.position;
-    const auto& q = pose.orientation;
-    numbers.insert(numbers.end(), {p.x, p.y, p.z, q.x, q.y, q.z, q.w});
-  }
-  return numbers;
-}
-
 }  // namespace
 
 bool isSameImage(const RangeImageMsg& a, const RangeImageMsg& b) {
@@ -32,7 +21,7 @@ bool isSameImage(const RangeImageMsg& a, const RangeImageMsg& b) {
          a.width == b.width && a.bearing_min == b.bearing_min && a.bearing_increment == b.bearing_increment &&
          a.range_min == b.range_min && a.range_max == b.range_max && a.poses_per_row == b.poses_per_row &&
          a.row_stamps == b.row_stamps && sameBytes(a.tilts, b.tilts) && sameBytes(a.ranges, b.ranges) &&
-         sameBytes(a.intensities, b.intensities) && sameBytes(numbersOf(a.line_poses), numbersOf(b.line_poses));
+         sameBytes(a.intensities, b.intensities) && a.line_poses == b.line_poses;
 }
 
 }  // namespace ppc

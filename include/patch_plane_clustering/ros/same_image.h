@@ -6,7 +6,7 @@
 namespace ppc {
 
 /// @brief Whether two range images are the same measurement: stamp, frame, and all that a segmentation may depend on. The
-/// accounts of their lines and their sequence numbers may differ. Bit for bit, so that invalid ranges equal themselves.
+/// accounts of their lines and their sequence numbers may differ. Ranges bit for bit, so that invalid ones equal themselves.
 bool isSameImage(const RangeImageMsg& a, const RangeImageMsg& b);
 
 }  // namespace ppc

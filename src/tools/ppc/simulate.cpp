@@ -110,7 +110,7 @@ void run(const Options& o) {
     writeBag(o.bag, [&](rosbag::Bag& bag) { writeSimulatedBag(scanner, o.sweeps, bag); });
   }
   if (o.pcd.empty() && o.truth.empty() && o.truth_planes.empty()) return;
-  const std::vector<std::int32_t> coplanar = scanner.scene().coplanarIds();
+  const std::vector<std::int32_t> coplanar = o.pieces ? scanner.scene().coplanarIds() : std::vector<std::int32_t>();
   for (int i = 0; i < o.sweeps; ++i) {
     sim::Sweep sweep = scanner.sweep(i);
     const LabelImage ids = sweep.labels;
