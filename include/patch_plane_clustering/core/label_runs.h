@@ -6,20 +6,38 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <vector>
 
 namespace ppc {
+
+/// How many labels are compared at a time.
+constexpr int kLabelStep = 4 * kLanes;
+
+/// One bit a label, the first one lowest, of kLabelStep labels: whether `differ` says so of it. @param differ differ(k): of
+/// labels k to k + kLanes, lane by lane.
+template <typename F>
+std::uint32_t labelBits(const F& differ) {
+  const LaneMask bits{1, 2, 4, 8};
+  const LaneMask found = ((differ(0) & bits) | (differ(kLanes) & (bits << 4))) |
+                         ((differ(2 * kLanes) & (bits << 8)) | (differ(3 * kLanes) & (bits << 12)));
+  std::uint64_t halves[2];
+  std::memcpy(halves, &found, sizeof halves);
+  const std::uint64_t both = halves[0] | halves[1];
+  return static_cast<std::uint32_t>(both | both >> 32U);
+}
 
 /// End of the stretch of equal labels that begins at `begin`, `limit` at most.
 inline int runEnd(const std::int32_t* labels, int begin, int limit) {
   const LaneMask label = fillMask(labels[begin]);
   int end = begin + 1;
-  const auto other = [&](int i) { return loadLanes<LaneMask>(labels + i) != label; };
-  for (; end + 4 * kLanes <= limit; end += 4 * kLanes) {  // most pixels are in long stretches
-    if (anyLane((other(end) | other(end + kLanes)) | (other(end + 2 * kLanes) | other(end + 3 * kLanes)))) break;
+  for (; end + kLabelStep <= limit; end += kLabelStep) {
+    const std::uint32_t others = labelBits([&](int k) { return loadLanes<LaneMask>(labels + end + k) != label; });
+    if (others != 0) return end + __builtin_ctz(others);
   }
   for (; end + kLanes <= limit; end += kLanes) {
-    if (anyLane(other(end))) break;
+    if (anyLane(loadLanes<LaneMask>(labels + end) != label)) break;
   }
   while (end < limit && labels[end] == labels[begin]) ++end;
   return end;
@@ -48,16 +66,14 @@ template <typename F>
 void forEachChangeFromAbove(const LabelImage& labels, int r, F&& f) {
   const std::int32_t* const row = labels.labels.data() + static_cast<std::size_t>(r) * labels.cols;
   const std::int32_t* const above = row - labels.cols;
-  const auto differ = [&](int c) { return loadLanes<LaneMask>(row + c) != loadLanes<LaneMask>(above + c); };
-  for (int c = 0; c < labels.cols;) {
-    if (c + 4 * kLanes <= labels.cols &&
-        !anyLane((differ(c) | differ(c + kLanes)) | (differ(c + 2 * kLanes) | differ(c + 3 * kLanes)))) {
-      c += 4 * kLanes;
-      continue;
-    }
-    for (const int end = std::min(c + 4 * kLanes, labels.cols); c < end; ++c) {
-      if (row[c] != above[c]) f(r * labels.cols + c);
-    }
+  int c = 0;
+  for (; c + kLabelStep <= labels.cols; c += kLabelStep) {
+    std::uint32_t others =
+        labelBits([&](int k) { return loadLanes<LaneMask>(row + c + k) != loadLanes<LaneMask>(above + c + k); });
+    for (; others != 0; others &= others - 1) f(r * labels.cols + c + __builtin_ctz(others));
+  }
+  for (; c < labels.cols; ++c) {
+    if (row[c] != above[c]) f(r * labels.cols + c);
   }
 }
 
