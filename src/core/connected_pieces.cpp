@@ -2,8 +2,119 @@
 #include "patch_plane_clustering/core/connected_pieces.h"
 
 #include <algorithm>
+#include <cstddef>
 
 namespace ppc {
+namespace {
+
+constexpr int kNone = -1;
+
+// Pixels of one label in a row, gaps bridged.
+struct Run {
+  std::int32_t label;
+  int row, begin, end;  // columns
+  int left, right;      // runs of the label beside it in its row
+  int first_above;      // the label's first run in the nearest row above that has any within reach
+  int above;            // its last one there that begins no farther right, or the first one
+  int parent;           // of the run's piece: never a later run
+};
+
+// A stretch of pixels without a gap.
+struct Stretch {
+  int begin, end, run;
+};
+
+// What is known of a label while rows are read.
+struct LatestRow {
+  int row = kNone;
+  int first = kNone, last = kNone;  // runs
+  int first_above = kNone;
+};
+
+// Whether a run goes on at a column: neither it nor any run that began since has ended too far to the left.
+bool goesOn(const std::vector<Run>& runs, int run, int column, int gap_cols) {
+  for (; run < static_cast<int>(runs.size()); ++run) {
+    if (runs[run].end + gap_cols < column) return false;
+  }
+  return true;
+}
+
+void bridgeGaps(const std::vector<LabelRun>& of_labels, int cols, int reach, int gap_cols, std::vector<Run>& runs,
+                std::vector<Stretch>& stretches) {
+  std::vector<LatestRow> latest(static_cast<std::size_t>(highestLabel(of_labels)) + 1);
+  runs.reserve(of_labels.size());
+  stretches.reserve(of_labels.size());
+  int row = 0, row_first = 0;  // pixel
+  for (const LabelRun& whole : of_labels) {
+    LatestRow& seen = latest[whole.label];
+    for (int begin = whole.begin, end = 0; begin < whole.end; begin = end) {
+      for (; begin >= row_first + cols; row_first += cols) ++row;
+      end = std::min(whole.end, row_first + cols);
+      const int c = begin - row_first, next = static_cast<int>(runs.size());
+      if (seen.row != row) {
+        seen = {row, next, kNone, seen.row != kNone && seen.row >= row - reach ? seen.first : kNone};
+      }
+      if (seen.last == kNone || !goesOn(runs, seen.last, c, gap_cols)) {
+        if (seen.last != kNone) runs[seen.last].right = next;
+        runs.push_back({whole.label, row, c, c, seen.last, kNone, seen.first_above, kNone, next});
+        seen.last = next;
+      }
+      runs[seen.last].end = end - row_first;
+      stretches.push_back({begin, end, seen.last});
+    }
+  }
+}
+
+// Joins runs of a label that overlap, up to `reach` rows apart.
+class PieceJoiner {
+ public:
+  PieceJoiner(int reach, std::vector<Run>& runs) : reach_(reach), runs_(runs) {}
+
+  // Precondition: called for all earlier runs.
+  void join(int k) {
+    Run& run = runs_[k];
+    int at = run.left == kNone ? run.first_above : runs_[run.left].above;
+    if (at == kNone) return;
+    run.above = at = lastBefore(at, run.begin);
+    // Once a run covers it whole, all that is farther up is joined by way of that one.
+    while (at != kNone && runs_[at].row >= run.row - reach_ && !joinRow(at, k)) {
+      const Run& next = runs_[at];
+      at = next.begin <= run.begin ? next.above : next.first_above;
+      if (at != kNone) at = lastBefore(at, run.begin);
+    }
+  }
+
+  int rootOf(int k) {
+    while (runs_[k].parent != k) k = runs_[k].parent = runs_[runs_[k].parent].parent;
+    return k;
+  }
+
+ private:
+  // The last run of a row, from `at` on, that begins no farther right than a column; `at` if none does.
+  int lastBefore(int at, int column) const {
+    for (int next = runs_[at].right; next != kNone && runs_[next].begin <= column; next = runs_[next].right) at = next;
+    return at;
+  }
+
+  // Joins a run with those of a row that it overlaps, from `at` on. @return whether one of them covers it.
+  bool joinRow(int at, int k) {
+    const Run& run = runs_[k];
+    bool covered = false;
+    for (; at != kNone && runs_[at].begin < run.end; at = runs_[at].right) {
+      if (runs_[at].end <= run.begin) continue;
+      covered = covered || (runs_[at].begin <= run.begin && runs_[at].end >= run.end);
+      if (runs_[at].parent == run.parent) continue;  // as most are by then
+      const int a = rootOf(at), b = rootOf(k);
+      runs_[std::max(a, b)].parent = std::min(a, b);
+    }
+    return covered;
+  }
+
+  int reach_;
+  std::vector<Run>& runs_;
+};
+
+}  // namespace
 
 std::vector<std::int32_t> splitComponents(int gap_rows, int gap_cols, LabelImage& labels) {
   std::vector<LabelRun> runs = labelRuns(labels);
@@ -13,62 +124,17 @@ std::vector<std::int32_t> splitComponents(int gap_rows, int gap_cols, LabelImage
 }
 
 std::vector<std::int32_t> splitRuns(int cols, int gap_rows, int gap_cols, std::vector<LabelRun>& of_labels) {
-  // Runs of equal labels along the rows, gaps bridged; runs of nearby rows that overlap belong together.
-  struct Run {
-    int begin, end, parent;
-    std::int32_t label;
-  };
-  struct Stretch {  // of pixels without a gap
-    int begin, end, run;
-  };
+  const int reach = gap_rows + 1;
   std::vector<Run> runs;
   std::vector<Stretch> stretches;
-  runs.reserve(of_labels.size());
-  stretches.reserve(of_labels.size());
-  std::vector<int> row_begin(1, 0);
-  int row_first = 0;  // pixel
-  for (const LabelRun& whole : of_labels) {
-    for (int begin = whole.begin, end = 0; begin < whole.end; begin = end) {
-      for (; begin >= row_first + cols; row_first += cols) row_begin.push_back(static_cast<int>(runs.size()));
-      end = std::min(whole.end, row_first + cols);
-      const int c = begin - row_first;
-      int run = static_cast<int>(runs.size()) - 1;
-      while (run >= row_begin.back() && runs[run].end + gap_cols >= c && runs[run].label != whole.label) --run;
-      if (run < row_begin.back() || runs[run].end + gap_cols < c) {
-        run = static_cast<int>(runs.size());
-        runs.push_back({c, c, run, whole.label});
-      }
-      runs[run].end = end - row_first;
-      stretches.push_back({begin, end, run});
-    }
-  }
-  const int rows = static_cast<int>(row_begin.size());
-  row_begin.push_back(static_cast<int>(runs.size()));
-  const auto find = [&](int i) {
-    while (runs[i].parent != i) i = runs[i].parent = runs[runs[i].parent].parent;
-    return i;
-  };
-  for (int r = 1; r < rows; ++r) {
-    for (int back = 1; back <= std::min(r, gap_rows + 1); ++back) {
-      int above = row_begin[r - back];
-      const int above_end = row_begin[r - back + 1];
-      for (int k = row_begin[r]; k < row_begin[r + 1]; ++k) {
-        const Run run = runs[k];
-        for (int j = above; j < above_end && runs[j].begin < run.end; ++j) {
-          if (runs[j].label != run.label || run.begin >= runs[j].end) continue;
-          if (runs[j].parent == runs[k].parent) continue;  // as most are by then
-          const int a = find(j), b = find(k);
-          runs[std::max(a, b)].parent = std::min(a, b);
-        }
-        while (above < above_end && runs[above].end <= runs[k].begin) ++above;
-      }
-    }
-  }
+  bridgeGaps(of_labels, cols, reach, gap_cols, runs, stretches);
+  PieceJoiner pieces(reach, runs);
+  for (int k = 0, n = static_cast<int>(runs.size()); k < n; ++k) pieces.join(k);
   of_labels.clear();
   std::vector<std::int32_t> renamed(runs.size(), 0);
   std::vector<std::int32_t> before(1, 0);
   for (const Stretch& stretch : stretches) {
-    std::int32_t& name = renamed[find(stretch.run)];
+    std::int32_t& name = renamed[pieces.rootOf(stretch.run)];
     if (name == 0) {
       name = static_cast<std::int32_t>(before.size());
       before.push_back(runs[stretch.run].label);

@@ -48,7 +48,7 @@ TEST(LabelRuns, ListsStretchesOfLabelsAboveZero) {
       ASSERT_GT(run.label, 0);
       ASSERT_LE(last, run.begin);
       ASSERT_LT(run.begin, run.end);
-      if (last == run.begin && last > 0) EXPECT_NE(image.labels[last - 1], run.label);
+      EXPECT_FALSE(last == run.begin && last > 0 && image.labels[last - 1] == run.label);
       std::fill(painted.begin() + run.begin, painted.begin() + run.end, run.label);
       last = run.end;
     }
