@@ -2,7 +2,10 @@
 #pragma once
 
 #include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/crease_meetings.h"
+#include "patch_plane_clustering/core/distance_variance.h"
 #include "patch_plane_clustering/core/noise_model.h"
+#include "patch_plane_clustering/core/pixel_set.h"
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/similarity.h"
 
@@ -13,22 +16,6 @@ namespace ppc {
 
 /// @brief Working memory of alignCreases(), which one image after the other may use.
 struct CreaseMemory {
-  /// Two labels, first < second, that are next to each other somewhere.
-  struct LabelPair {
-    std::int32_t first, second;
-    int index;     ///< in the order of their first meetings
-    int meetings;  ///< how many
-    int begin;     ///< of theirs in `places`
-  };
-  /// Where labels meet: at `pixel` and one row or column before it.
-  struct Place {
-    int pixel;
-    int step;  ///< 1 along a row, the number of columns along a column
-  };
-  struct Meeting {
-    int pair;  ///< its index
-    Place place;
-  };
   /// A pixel that may be of either label.
   struct Candidate {
     int pixel;
@@ -40,17 +27,11 @@ struct CreaseMemory {
   };
   /// What a thread has for itself.
   struct Worker {
-    std::vector<int> seen;  ///< pixels: stamp of the pair that has looked at them last
-    int stamp = 0;          ///< of the last pair
-    std::vector<int> near;  ///< pixels near the border of a pair, the first `count`
-    int count = 0;
+    PixelSet near;                ///< pixels near the border of a pair; empty in between
     std::vector<Candidate> open;  ///< of a pair
   };
-  std::vector<int> points;        ///< of each label
-  std::vector<LabelPair> pairs;   ///< ascending
-  std::vector<Meeting> meetings;  ///< in scan order
-  std::vector<int> next;          ///< of each pair, by index: where its next meeting goes in `places`; -1: it takes no part
-  std::vector<Place> places;      ///< the meetings, pair by pair
+  CreaseMeetings meetings;
+  DistanceVariance variance;
   std::vector<std::vector<Change>> changes;  ///< of each pair, and maybe more lists
   std::vector<Worker> workers;
 };

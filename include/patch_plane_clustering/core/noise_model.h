@@ -23,6 +23,10 @@ struct NoiseMemory {
 /// @brief Range noise as a function of range: from the sensor model, or estimated from an image.
 class NoiseModel {
  public:
+  /// It is the same within each of so many cells of range, the last of which has no end.
+  static constexpr int kCells = 4096;
+  static constexpr double kCellsPerMetre = 32.0;
+
   /// Noise of a data sheet times a factor.
   NoiseModel(const SensorModel& sensor, double scale);
 
@@ -45,8 +49,6 @@ class NoiseModel {
  private:
   explicit NoiseModel(const std::vector<double>& sigma_of_bin);
 
-  static constexpr double kCellsPerMetre = 32.0;
-  static constexpr int kCells = 4096;
   std::vector<double> table_;  // looked up once or more a point: no logarithm there
 };
 

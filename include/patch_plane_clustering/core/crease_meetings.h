@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "patch_plane_clustering/core/label_pairs.h"
+#include "patch_plane_clustering/core/row_runs.h"
+#include "patch_plane_clustering/core/segmentation.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace ppc {
+
+/// @brief Where labels meet in an image, pixel by pixel, and pair by pair.
+struct CreaseMeetings {
+  struct Place {
+    int pixel;
+    int columns;  ///< so many pixels from there on meet those above them; 0: it meets the pixel before it in its row
+  };
+  /// Two labels, first < second, that are next to each other somewhere.
+  struct Pair {
+    std::int32_t first, second;
+    int index;       ///< in the order of their first meetings
+    int begin, end;  ///< of theirs in `places`
+  };
+  std::vector<Pair> pairs;  ///< ascending
+  std::vector<Place> places;
+
+  struct Meeting {
+    int pair;  ///< its index
+    Place place;
+  };
+  std::vector<int> points;        ///< scratch: of each label
+  std::vector<Meeting> meetings;  ///< scratch: in scan order
+  std::vector<int> next;          ///< scratch: of each pair, by index
+  RowRuns runs;                   ///< scratch
+  LabelPairIndex index;           ///< scratch
+};
+
+/// @brief Lists where labels of at least `smallest` points meet. @param labels one more than the highest label.
+/// @param out overwritten.
+void findCreaseMeetings(const LabelImage& image, std::size_t labels, int smallest, CreaseMeetings& out);
+
+}  // namespace ppc
