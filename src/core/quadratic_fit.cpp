@@ -84,13 +84,15 @@ QuadraticSums& QuadraticSums::operator+=(const QuadraticSums& o) {
   return *this;
 }
 
-QuadraticSums sumQuadratic(const SurfaceSamples& samples, const Eigen::Vector3d& s_axis, const Eigen::Vector3d& t_axis) {
+QuadraticSums sumQuadratic(const SurfaceSamples& samples, const Eigen::Vector3d& s_axis, const Eigen::Vector3d& t_axis,
+                           int of_groups) {
   QuadraticSums out;
   const Eigen::Vector3f s = s_axis.cast<float>(), t = t_axis.cast<float>();
   const auto per_height = static_cast<float>(1.0 / s_axis.cross(t_axis).dot(samples.normal));
-  for (std::size_t begin = 0; begin < samples.size; begin += kBlock) {
+  const auto step = static_cast<std::size_t>(of_groups);
+  for (std::size_t begin = 0; begin < samples.size; begin += kBlock * step) {
     Sums sums;
-    for (std::size_t i = begin; i < std::min(begin + kBlock, samples.size); i += kLanes) {
+    for (std::size_t i = begin; i < std::min(begin + kBlock * step, samples.size); i += kLanes * step) {
       const auto x = loadLanes<Lanes>(samples.x + i), y = loadLanes<Lanes>(samples.y + i);
       const auto z = loadLanes<Lanes>(samples.z + i);
       sums.add(loadLanes<Lanes>(samples.weight + i), s.x() * x + s.y() * y + s.z() * z, t.x() * x + t.y() * y + t.z() * z,
@@ -104,9 +106,9 @@ QuadraticSums sumQuadratic(const SurfaceSamples& samples, const Eigen::Vector3d&
 }
 
 QuadraticSums sumQuadraticAbout(const Eigen::Vector3d& origin, const SurfaceSamples& samples, const Eigen::Vector3d& s_axis,
-                                const Eigen::Vector3d& t_axis) {
+                                const Eigen::Vector3d& t_axis, int of_groups) {
   const Eigen::Vector3d n = s_axis.cross(t_axis), moved = samples.center - origin;
-  QuadraticSums sums = sumQuadratic(samples, s_axis, t_axis);
+  QuadraticSums sums = sumQuadratic(samples, s_axis, t_axis, of_groups);
   // The samples' own plane, over which their z is, in terms about their center: z = base . m.
   const double cosine = n.dot(samples.normal);
   Vector6 base = Vector6::Zero();

@@ -156,8 +156,7 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
   pieces.labels = labels;
   paintRuns(pieces.runs, pieces.labels);
   timer.lap("components");
-  planarNames(grid, noise, tolerance, config.max_turn, pieces.labels, pieces.runs, memory.curvature, pieces.names,
-              config.threads);
+  planarNames(grid, noise, tolerance, config.max_turn, pieces.runs, memory.curvature, pieces.names, config.threads);
   timer.lap("curvature");
   if (config.refine && config.settle_borders) {
     pieces.whole = settleBorders(grid, patches, shares, planes, noise, tolerance, pieces,

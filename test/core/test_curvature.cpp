@@ -35,7 +35,7 @@ struct Scene {
 
   void drop(double max_turn = kMaxTurn, const NoiseModel& noise = kNoise) {
     const std::vector<LabelRun> runs = labelRuns(labels);
-    renameLabels(planarNames(grid, noise, kTolerance, max_turn, labels, runs), runs, labels);
+    renameLabels(planarNames(grid, noise, kTolerance, max_turn, runs), runs, labels);
   }
 };
 

@@ -121,6 +121,22 @@ TEST(QuadraticFit, GroupsTogetherAreFittedAsRowByRow) {
   expectAsPlainly(fitQuadratic(both), {&large, &small}, kOrigin);
 }
 
+// What the best surface leaves of some of the samples is no more than what it leaves of all.
+TEST(QuadraticFit, SomeOfTheSamplesLeaveNoMoreThanAll) {
+  const Eigen::Vector3d s = kFrame.col(0), t = kFrame.col(1);
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const Group a = makeGroup(seed, 700, -0.7, 0.3, 2.0), b = makeGroup(seed + 100, 300, 1.6, 0.8, 0.5);
+    const auto left = [&](int of_groups) {
+      QuadraticSums both = sumQuadraticAbout(kOrigin, a.samples, s, t, of_groups);
+      return fitQuadratic(both += sumQuadraticAbout(kOrigin, b.samples, s, t, of_groups));
+    };
+    const QuadraticFit all = left(1), some = left(8);
+    EXPECT_LT(some.quadratic_chi2, all.quadratic_chi2);
+    EXPECT_GT(some.quadratic_chi2, 0.03 * all.quadratic_chi2);
+    EXPECT_NEAR(some.weight, all.weight / 8.0, 0.05 * all.weight);
+  }
+}
+
 TEST(QuadraticFit, TooFewSamplesGiveNone) {
   const Group few = makeGroup(3, 5, 0.0, 0.0, 1.0), one_place = makeGroup(4, 20, 0.0, 0.0, 0.0);
   for (const Group* group : {&few, &one_place}) {

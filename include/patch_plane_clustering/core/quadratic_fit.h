@@ -42,12 +42,13 @@ struct QuadraticSums {
 
 /// @brief Sums of samples in the frame of two tangents s and t and their cross product n, about the samples' own center,
 /// and with z (along n) from their own plane: small numbers, so that single precision holds all digits that matter.
-/// Precondition: n is not in the samples' plane.
-QuadraticSums sumQuadratic(const SurfaceSamples& samples, const Eigen::Vector3d& s_axis, const Eigen::Vector3d& t_axis);
+/// Precondition: n is not in the samples' plane. @param of_groups one in so many groups of kLanes samples counts.
+QuadraticSums sumQuadratic(const SurfaceSamples& samples, const Eigen::Vector3d& s_axis, const Eigen::Vector3d& t_axis,
+                           int of_groups = 1);
 
 /// @brief The same about another origin, with z from the plane through that origin and perpendicular to n.
 QuadraticSums sumQuadraticAbout(const Eigen::Vector3d& origin, const SurfaceSamples& samples, const Eigen::Vector3d& s_axis,
-                                const Eigen::Vector3d& t_axis);
+                                const Eigen::Vector3d& t_axis, int of_groups = 1);
 
 /// @brief Least-squares plane and quadratic surface.
 struct QuadraticFit {
