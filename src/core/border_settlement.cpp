@@ -17,7 +17,7 @@ struct Kept {
   int points;
 };
 
-// Calls f(piece, was, begin, end) for every stretch of pixels of one new piece and one piece before, or none (0).
+// Calls f(label, was, begin, end) for every stretch of pixels of one run and of one piece before, or none (0).
 template <typename F>
 void forEachStretch(const LabelPieces& before, const std::vector<LabelRun>& runs, F&& f) {
   const LabelRun* was = before.runs.data();
@@ -84,22 +84,21 @@ std::vector<std::int32_t> mostOf(const std::vector<Kept>& kept, std::int32_t Kep
   return found;
 }
 
-// Gives points of regions that went to a label without any region back to theirs: such a label may only defend its own.
-void giveBack(const BeamGrid& grid, const PatchGrid& cells, const std::vector<int>& contested, const LabelPieces& before,
-              const std::vector<char>& is_region, std::size_t count, LabelImage& labels) {
+// Runs of the labels after the contest; but points of regions that went to a label without any region are given back to
+// theirs: such a label may only defend its own.
+std::vector<LabelRun> settledRuns(const LabelImage& labels, const LabelPieces& before, const std::vector<char>& is_region,
+                                  std::size_t count) {
   std::vector<char> has_region(count, 0);  // of each label
   for (std::size_t piece = 1; piece < is_region.size(); ++piece) {
     if (is_region[piece] != 0) has_region[before.whole[piece]] = 1;
   }
-  for (const int k : contested) {
-    const Patch& cell = cells.patches[k];
-    for (int r = cell.row_begin; r < cell.row_end; ++r) {
-      for (int i = grid.index(r, cell.col_begin), end = grid.index(r, cell.col_end); i < end; ++i) {
-        const std::int32_t was = before.labels.labels[i];
-        if (is_region[was] > has_region[labels.labels[i]]) labels.labels[i] = before.whole[was];
-      }
-    }
-  }
+  const std::vector<LabelRun> contested = labelRuns(labels);
+  std::vector<LabelRun> runs;
+  runs.reserve(contested.size());
+  forEachStretch(before, contested, [&](std::int32_t label, std::int32_t was, int begin, int end) {
+    appendRun({is_region[was] > has_region[label] ? before.whole[was] : label, begin, end}, runs);
+  });
+  return runs;
 }
 
 // Names of the new pieces: themselves, 0 for those that are no regions, or that of the region which they are given to.
@@ -144,10 +143,9 @@ std::vector<std::int32_t> settleBorders(const BeamGrid& grid, const PatchGrid& c
                                         const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
                                         const CoplanarityTolerance& tolerance, const LabelPieces& before, int smallest,
                                         int gap_rows, int gap_cols, LabelImage& labels, int threads) {
-  const std::vector<int> contested = contestLabels(grid, cells, shares, planes, noise, tolerance, labels, threads);
+  contestLabels(grid, cells, shares, planes, noise, tolerance, labels, threads);
   const std::vector<char> is_region = findRegions(before, smallest);
-  giveBack(grid, cells, contested, before, is_region, planes.size(), labels);
-  std::vector<LabelRun> runs = labelRuns(labels);
+  std::vector<LabelRun> runs = settledRuns(labels, before, is_region, planes.size());
   std::vector<std::int32_t> whole = splitRuns(grid.cols, gap_rows, gap_cols, runs);
   const std::vector<Kept> kept = countKept(before, runs, whole);
   const std::vector<std::int32_t> heir = mostOf(kept, &Kept::before, &Kept::piece, before.names.size());

@@ -153,8 +153,6 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
   const int gap_rows = 2 * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols), gap_cols = 2;
   if (!runs_known) pieces.runs = labelRuns(labels);
   pieces.whole = splitRuns(grid.cols, gap_rows, gap_cols, pieces.runs);
-  pieces.labels = labels;
-  paintRuns(pieces.runs, pieces.labels);
   timer.lap("components");
   planarNames(grid, noise, tolerance, config.max_turn, pieces.runs, memory.curvature, pieces.names, config.threads);
   timer.lap("curvature");
@@ -163,8 +161,7 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
                                  smallestRegion(config, grid.size()), gap_rows, gap_cols, labels, config.threads);
     timer.lap("borders");
   } else {
-    std::swap(labels, pieces.labels);
-    renameLabels(pieces.names, pieces.runs, labels);
+    paintRuns(pieces.runs, pieces.names, labels);
   }
   std::vector<Eigen::Vector3d>& piece_planes = memory.piece_planes;
   piece_planes.clear();

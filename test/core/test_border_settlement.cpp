@@ -22,7 +22,7 @@ constexpr int kSmallest = 100;
 // Two walls that meet at right angles in the middle of the image, 3 m away: label 1 to the left, 2 to the right.
 struct Corner {
   BeamGrid grid = forwardBeams(60, 80, 0.005);
-  LabelImage truth;
+  LabelImage truth, piece_labels;
   LabelPieces pieces;
 
   Corner() {
@@ -35,22 +35,22 @@ struct Corner {
 
   // Makes labels(row, col) the labels before, and pieces of them, each named by itself.
   void start(const std::function<std::int32_t(int, int)>& labels) {
-    pieces.labels = truth;
-    for (int i = 0; i < grid.size(); ++i) pieces.labels.labels[i] = labels(i / grid.cols, i % grid.cols);
-    pieces.runs = labelRuns(pieces.labels);
+    piece_labels = truth;
+    for (int i = 0; i < grid.size(); ++i) piece_labels.labels[i] = labels(i / grid.cols, i % grid.cols);
+    pieces.runs = labelRuns(piece_labels);
     pieces.whole = splitRuns(grid.cols, 0, 0, pieces.runs);
-    paintRuns(pieces.runs, pieces.labels);
+    paintRuns(pieces.runs, piece_labels);
     pieces.names.resize(pieces.whole.size());
     for (std::size_t k = 0; k < pieces.names.size(); ++k) pieces.names[k] = static_cast<std::int32_t>(k);
   }
 
-  std::int32_t pieceAt(int row, int col) const { return pieces.labels.labels[grid.index(row, col)]; }
+  std::int32_t pieceAt(int row, int col) const { return piece_labels.labels[grid.index(row, col)]; }
 
   // Settles with the true planes of the labels 1 and 2, and that of the wall to the right for any other.
   LabelImage settle(std::vector<std::int32_t>* whole = nullptr) const {
     PatchGrid cells = makePatchGrid(grid, 4, true);
     weighPatches(kNoise, cells);
-    LabelImage wholes = pieces.labels;
+    LabelImage wholes = piece_labels;
     for (std::int32_t& label : wholes.labels) label = pieces.whole[label];
     std::vector<Eigen::Vector3d> planes = labelPlanes(shareCells(grid, cells, kNoise, truth));
     planes.resize(10, planes[2]);

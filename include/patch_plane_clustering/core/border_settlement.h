@@ -16,7 +16,6 @@ namespace ppc {
 
 /// @brief Connected pieces of labels, and what was made of them.
 struct LabelPieces {
-  LabelImage labels;                ///< the pieces
   std::vector<LabelRun> runs;       ///< of the pieces
   std::vector<std::int32_t> whole;  ///< for every piece the label that it is part of; index = piece, 0 for 0
   /// For every piece itself, 0 if it is no planar region, or another piece that it is given to (see planarNames()).

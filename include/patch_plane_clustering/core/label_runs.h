@@ -123,6 +123,12 @@ inline void renameLabels(const std::vector<std::int32_t>& names, const std::vect
   }
 }
 
+/// Gives every pixel of the runs the name of its run's label, whatever it had.
+inline void paintRuns(const std::vector<LabelRun>& runs, const std::vector<std::int32_t>& names, LabelImage& labels) {
+  std::int32_t* const pixels = labels.labels.data();
+  for (const LabelRun& run : runs) std::fill(pixels + run.begin, pixels + run.end, names[run.label]);
+}
+
 /// Gives every pixel of the runs its run's label.
 inline void paintRuns(const std::vector<LabelRun>& runs, LabelImage& labels) {
   std::int32_t* const pixels = labels.labels.data();
