@@ -60,14 +60,17 @@ class CreaseAligner {
   void compare(const LabelPair& pair, Worker& worker, int& witnesses, int& farther) const {
     const CreaseLanes planes(planes_[pair.first], planes_[pair.second], center_);
     const LaneMask first = fillMask(pair.first);
+    const bool one_origin = grid_.origin_x.empty();
+    const CreaseLanes::Heights of_all = planes.heightsAt(fill(0.0F), fill(0.0F), fill(0.0F));
     worker.open.clear();
     LaneMask apart = {}, of_farther = {};
     const auto compare_four = [&](int pixel, int which) {
       BeamLanes beams(grid_, pixel, kLanes);
       beams.valid &= (fillMask(which) & LaneMask{1, 2, 4, 8}) != LaneMask{};
       const LaneMask of_first = labelsAt(labels_, pixel, grid_.size() - pixel) == first;
+      const auto heights = one_origin ? of_all : planes.heightsAt(beams.origin_x, beams.origin_y, beams.origin_z);
       const auto found =
-          planes.compare(beams, variance_.at(beams.range), of_first, kClearlyApart, kWithinNoise, kFarthestPoint);
+          planes.compare(beams, heights, variance_.at(beams.range), of_first, kClearlyApart, kWithinNoise, kFarthestPoint);
       apart += found.apart;
       of_farther += found.apart & ~(of_first ^ found.first_farther);
       if (!anyLane(found.open)) return;
@@ -75,7 +78,7 @@ class CreaseAligner {
         if (found.open[k] != 0) worker.open.push_back({pixel + k, found.first_farther[k] != 0});
       }
     };
-    worker.near.takeFours(compare_four, [&](int pixel) { prefetchBeams(grid_, pixel); });
+    worker.near.takeFours(compare_four);
     witnesses = countLanes(apart);
     farther = countLanes(of_farther);
   }

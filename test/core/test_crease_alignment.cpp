@@ -121,8 +121,10 @@ TEST(CreaseLanes, CompareRangesWithoutDividing) {
     const int pixels[kLanes] = {6, 1, 3, 4};
     const LaneMask of_first = {-1, 0, -1, 0};
     const Lanes variance = {0.001F, 0.002F, 0.001F, 0.001F};
-    const auto found =
-        CreaseLanes(a, b, center).compare(BeamLanes(grid, pixels, firstLanes(4)), variance, of_first, 1, 1.5, 2.5);
+    const CreaseLanes planes(a, b, center);
+    const BeamLanes beams(grid, pixels, firstLanes(4));
+    const CreaseLanes::Heights heights = planes.heightsAt(beams.origin_x, beams.origin_y, beams.origin_z);
+    const auto found = planes.compare(beams, heights, variance, of_first, 1, 1.5, 2.5);
     for (int k = 0; k < kLanes; ++k) {
       const auto rangeTo = [&](const Eigen::Vector3d& plane) {
         return (1.0 - plane.dot(grid.origin(pixels[k]).cast<double>() - center)) /

@@ -17,14 +17,12 @@ namespace {
 
 std::set<int> take(PixelSet& set) {
   std::set<int> pixels;
-  set.takeFours(
-      [&](int pixel, int which) {
-        for (int k = 0; k < 4; ++k) {
-          const bool fresh = (which >> k & 1) == 0 || pixels.insert(pixel + k).second;
-          EXPECT_TRUE(fresh);
-        }
-      },
-      [](int) {});
+  set.takeFours([&](int pixel, int which) {
+    for (int k = 0; k < 4; ++k) {
+      const bool fresh = (which >> k & 1) == 0 || pixels.insert(pixel + k).second;
+      EXPECT_TRUE(fresh);
+    }
+  });
   return pixels;
 }
 

@@ -21,14 +21,23 @@ class CreaseLanes {
     LaneMask open;           ///< whether they are not, and the point is near the plane that is not its own
   };
 
+  /// Heights of both planes over beams' origins, along their normals [m].
+  struct Heights {
+    Lanes first, second;
+  };
+  Heights heightsAt(Lanes origin_x, Lanes origin_y, Lanes origin_z) const {
+    const Lanes x = origin_x - center_.x(), y = origin_y - center_.y(), z = origin_z - center_.z();
+    return {first_.offset - first_.along(x, y, z), second_.offset - second_.along(x, y, z)};
+  }
+
+  /// @param heights at the beams' origins, see heightsAt(): one origin for all of them needs to be looked at once.
   /// @param variance of the distances [m^2]. @param of_first whether the beam's point is of the first plane.
   /// @param clearly_apart,within_noise of the planes, and @param farthest of a point from a plane: along the beam, in
   /// standard deviations.
-  Comparison compare(const BeamLanes& beam, Lanes variance, LaneMask of_first, float clearly_apart, float within_noise,
-                     float farthest) const {
-    const Lanes x = beam.origin_x - center_.x(), y = beam.origin_y - center_.y(), z = beam.origin_z - center_.z();
+  Comparison compare(const BeamLanes& beam, const Heights& heights, Lanes variance, LaneMask of_first, float clearly_apart,
+                     float within_noise, float farthest) const {
     // Ranges are height over cosine; comparing their products instead saves the divisions.
-    const Lanes height1 = first_.offset - first_.along(x, y, z), height2 = second_.offset - second_.along(x, y, z);
+    const Lanes height1 = heights.first, height2 = heights.second;
     const Lanes cosine1 = first_.along(beam.dir_x, beam.dir_y, beam.dir_z);
     const Lanes cosine2 = second_.along(beam.dir_x, beam.dir_y, beam.dir_z);
     const LaneMask met = beam.valid & (height1 * cosine1 > Lanes{}) & (height2 * cosine2 > Lanes{});

@@ -26,15 +26,10 @@ class PixelSet {
   }
 
   /// Calls f(pixel, which) for every four pixels from a multiple of four on of which any is in the set: `which` has their
-  /// bits. Calls ahead(pixel) before, for the first and the last pixel of what comes soon. Leaves the set empty.
-  template <typename F, typename Ahead>
-  void takeFours(const F& f, const Ahead& ahead) {
+  /// bits. Leaves the set empty.
+  template <typename F>
+  void takeFours(const F& f) {
     for (std::size_t k = 0; k < count_; ++k) {
-      if (k + kAhead < count_) {
-        const std::uint32_t soon = used_[k + kAhead];
-        ahead(static_cast<int>(soon * kBits) + __builtin_ctzll(words_[soon]));
-        ahead(static_cast<int>(soon * kBits + kBits - 1) - __builtin_clzll(words_[soon]));
-      }
       const std::uint32_t word = used_[k];
       std::uint64_t bits = words_[word];
       words_[word] = 0;
@@ -49,7 +44,6 @@ class PixelSet {
 
  private:
   static constexpr std::uint32_t kBits = 64;  // of a word
-  static constexpr std::size_t kAhead = 3;    // words
 
   void insert(std::uint32_t word, std::uint64_t bits) {
     used_[count_] = word;
