@@ -36,13 +36,18 @@ int countPixels(const BeamGrid& grid, const Patch& cell, const LabelImage& label
   return count;
 }
 
-// Adds the shares of one cell.
+void addShare(std::int32_t label, int part, CellShares& out) {
+  out.labels.push_back(label);
+  out.parts.push_back(part);
+}
+
+// Adds the shares of one cell. @param first_part index that the first of out.moments will have.
 void shareCell(const BeamGrid& grid, const Patch& cell, const Eigen::Vector3d& center, const NoiseModel& noise,
-               const LabelImage& labels, std::vector<std::int32_t>& found, CellShares& out) {
+               const LabelImage& labels, int first_part, std::vector<std::int32_t>& found, CellShares& out) {
   // The usual cases first: one label on all pixels, or none.
   const std::int32_t* corner = labels.labels.data() + grid.index(cell.row_begin, cell.col_begin);
   if (uniform(corner, cell.row_end - cell.row_begin, cell.col_end - cell.col_begin, labels.cols)) {
-    if (*corner > 0 && cell.moments.n > 0) out.shares.push_back({*corner, cell.moments});
+    if (*corner > 0 && cell.moments.n > 0) addShare(*corner, CellShares::kWhole, out);
     return;
   }
   found.clear();
@@ -54,7 +59,7 @@ void shareCell(const BeamGrid& grid, const Patch& cell, const Eigen::Vector3d& c
   }
   for (const std::int32_t label : found) {
     if (found.size() == 1 && countPixels(grid, cell, labels, label) == cell.moments.n) {  // the patch's own sums serve
-      out.shares.push_back({label, cell.moments});
+      addShare(label, CellShares::kWhole, out);
       continue;
     }
     const BlockSums sums = sumPixels(grid, cell.row_begin, cell.row_end, cell.col_begin, cell.col_end,
@@ -63,112 +68,137 @@ void shareCell(const BeamGrid& grid, const Patch& cell, const Eigen::Vector3d& c
     const int n = countLanes(sums.counted);
     const BlockMoments<double> block = momentsOf(sums, center);
     const double sigma = noise.sigma(block.ranges / n);
-    out.shares.push_back({label, momentsOf(block, 0, n)});
-    out.shares.back().moments.scale(1.0 / (sigma * sigma));
+    addShare(label, first_part + static_cast<int>(out.moments.size()), out);
+    out.moments.push_back(momentsOf(block, 0, n));
+    out.moments.back().scale(1.0 / (sigma * sigma));
   }
+}
+
+std::int32_t onlyOf(const CellShares& shares, std::size_t first) {
+  const std::size_t count = shares.labels.size() - first;
+  return count == 1 ? shares.labels[first] : count == 0 ? 0 : -1;
+}
+
+void clearCells(CellShares& shares) {
+  shares.begin.clear();
+  shares.only.clear();
+  shares.labels.clear();
+  shares.parts.clear();
+}
+
+void clear(CellShares& shares) {
+  clearCells(shares);
+  shares.moments.clear();
+}
+
+// Adds the shares of cells [begin, end).
+void appendCells(const CellShares& from, int begin, int end, CellShares& to) {
+  const auto append = [](const auto& source, int first, int last, auto& target) {
+    target.insert(target.end(), source.begin() + first, source.begin() + last);
+  };
+  const int first = from.begin[begin], last = from.begin[end];
+  const int offset = static_cast<int>(to.labels.size()) - first;
+  for (int k = begin; k < end; ++k) to.begin.push_back(from.begin[k] + offset);
+  append(from.only, begin, end, to.only);
+  append(from.labels, first, last, to.labels);
+  append(from.parts, first, last, to.parts);
 }
 
 }  // namespace
 
-std::vector<Moments> sumShares(const CellShares& cells) {
+std::vector<Moments> sumShares(const PatchGrid& cells, const CellShares& shares) {
   std::int32_t highest = 0;
-  for (const CellShares::Share& share : cells.shares) highest = std::max(highest, share.label);
+  for (const std::int32_t label : shares.labels) highest = std::max(highest, label);
   std::vector<Moments> sums(static_cast<std::size_t>(highest) + 1);
-  for (const CellShares::Share& share : cells.shares) sums[share.label] += share.moments;
+  const int count = static_cast<int>(shares.only.size());
+  for (int k = 0; k < count; ++k) {
+    for (int s = shares.begin[k]; s < shares.begin[k + 1]; ++s) sums[shares.labels[s]] += shares.momentsOf(cells, k, s);
+  }
   return sums;
 }
 
-void renameShares(const std::vector<std::int32_t>& names, CellShares& cells) {
-  std::size_t out = 0;
-  for (std::size_t k = 0; k + 1 < cells.begin.size(); ++k) {
-    const std::size_t first = out;
-    const int begin = cells.begin[k], end = cells.begin[k + 1];
-    cells.begin[k] = static_cast<int>(first);
-    if (end - begin == 1 && static_cast<int>(first) == begin) {  // nothing to move
-      cells.shares[first].label = names[cells.shares[first].label];
-      ++out;
-      continue;
-    }
+void renameShares(const std::vector<std::int32_t>& names, CellShares& shares) {
+  int out = 0;
+  for (std::size_t k = 0; k < shares.only.size(); ++k) {
+    const int first = out, begin = shares.begin[k], end = shares.begin[k + 1];
+    shares.begin[k] = first;
     for (int s = begin; s < end; ++s) {
-      const CellShares::Share share = {names[cells.shares[s].label], cells.shares[s].moments};
-      std::size_t at = first;
-      while (at < out && cells.shares[at].label != share.label) ++at;
-      if (at < out) {
-        cells.shares[at].moments += share.moments;
+      const std::int32_t label = names[shares.labels[s]];
+      int at = first;
+      while (at < out && shares.labels[at] != label) ++at;
+      if (at < out) {  // neither is whole
+        shares.moments[shares.parts[at]] += shares.moments[shares.parts[s]];
       } else {
-        cells.shares[out++] = share;
+        shares.labels[out] = label;
+        shares.parts[out++] = shares.parts[s];
       }
     }
+    if (end > begin) shares.only[k] = out - first == 1 ? shares.labels[first] : -1;
   }
-  cells.begin.back() = static_cast<int>(out);
-  cells.shares.resize(out);
+  shares.begin.back() = out;
+  shares.labels.resize(static_cast<std::size_t>(out));
+  shares.parts.resize(static_cast<std::size_t>(out));
 }
 
 CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels,
                       int threads) {
-  CellShares shares, memory;
+  CellShares shares;
+  ShareMemory memory;
   updateShares(grid, cells, noise, labels, std::vector<char>(cells.patches.size(), 1), shares, memory, threads);
   return shares;
 }
 
-void shareClusters(const PatchGrid& patches, const std::vector<int>& cluster_of, CellShares& shares) {
-  shares.begin.clear();
-  shares.shares.clear();
-  for (std::size_t k = 0; k < patches.patches.size(); ++k) {
-    shares.begin.push_back(static_cast<int>(shares.shares.size()));
-    if (cluster_of[k] >= 0) shares.shares.push_back({cluster_of[k] + 1, patches.patches[k].moments});
+void shareClusters(const std::vector<int>& cluster_of, CellShares& shares) {
+  clear(shares);
+  for (const int cluster : cluster_of) {
+    shares.begin.push_back(static_cast<int>(shares.labels.size()));
+    shares.only.push_back(cluster + 1);
+    if (cluster >= 0) addShare(cluster + 1, CellShares::kWhole, shares);
   }
-  shares.begin.push_back(static_cast<int>(shares.shares.size()));
-}
-
-CellLabels::CellLabels(const CellShares& shares, int threads)
-    : begin(shares.begin), labels(shares.shares.size()), only(shares.begin.size() - 1) {
-  forEachRange(threads, static_cast<int>(only.size()), [&](int first, int last) {
-    for (int i = first; i < last; ++i) {
-      const int share = begin[i], count = begin[i + 1] - share;
-      for (int s = share; s < share + count; ++s) labels[s] = shares.shares[s].label;
-      only[i] = count == 1 ? labels[share] : count == 0 ? 0 : -1;
-    }
-  });
+  shares.begin.push_back(static_cast<int>(shares.labels.size()));
 }
 
 void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels,
-                  const std::vector<char>& changed, CellShares& shares, CellShares& memory, int threads) {
-  std::swap(shares, memory);
-  const CellShares& before = memory;
-  const int count = static_cast<int>(cells.patches.size());
-  const int parts = std::max(1, threads);
-  std::vector<CellShares> rest(static_cast<std::size_t>(parts - 1));  // the first part's go where all will be
+                  const std::vector<char>& changed, CellShares& shares, ShareMemory& memory, int threads) {
+  std::swap(shares, memory.before);
+  const CellShares& before = memory.before;
+  std::swap(shares.moments, memory.before.moments);  // those that are there stay there, new ones follow
+  const auto known = static_cast<int>(shares.moments.size());
+  clearCells(shares);
+  const int count = static_cast<int>(cells.patches.size()), parts = std::max(1, threads);
+  memory.rest.resize(static_cast<std::size_t>(parts - 1));
   forEachPart(threads, parts, [&](int part) {
-    CellShares& mine = part == 0 ? shares : rest[part - 1];
-    mine.begin.clear();
-    mine.shares.clear();
-    std::vector<std::int32_t> scratch;
+    CellShares& mine = part == 0 ? shares : memory.rest[part - 1];  // the first part's go where all will be
+    if (part > 0) clear(mine);
+    std::vector<std::int32_t> found;
     const int part_end = partBegin(count, parts, part + 1);
     for (int k = partBegin(count, parts, part), next = k; k < part_end; k = next) {
-      const auto size = static_cast<int>(mine.shares.size());
-      if (changed[k] != 0) {
-        next = k + 1;
-        mine.begin.push_back(size);
-        shareCell(grid, cells.patches[k], cells.center, noise, labels, scratch, mine);
+      if (changed[k] == 0) {
+        while (next < part_end && changed[next] == 0) ++next;
+        appendCells(before, k, next, mine);
         continue;
       }
-      while (next < part_end && changed[next] == 0) ++next;
-      const int first = before.begin[k];
-      for (int same = k; same < next; ++same) mine.begin.push_back(size + before.begin[same] - first);
-      mine.shares.insert(mine.shares.end(), before.shares.begin() + first, before.shares.begin() + before.begin[next]);
+      next = k + 1;
+      const std::size_t first = mine.labels.size();
+      mine.begin.push_back(static_cast<int>(first));
+      shareCell(grid, cells.patches[k], cells.center, noise, labels, part == 0 ? 0 : known, found, mine);
+      mine.only.push_back(onlyOf(mine, first));
     }
+    mine.begin.push_back(static_cast<int>(mine.labels.size()));
   });
-  for (const CellShares& part : rest) {
-    const auto offset = static_cast<int>(shares.shares.size());
-    for (const int begin : part.begin) shares.begin.push_back(offset + begin);
-    shares.shares.insert(shares.shares.end(), part.shares.begin(), part.shares.end());
+  for (const CellShares& part : memory.rest) {
+    const std::size_t first = shares.parts.size();
+    const int offset = static_cast<int>(shares.moments.size()) - known;
+    shares.begin.pop_back();
+    appendCells(part, 0, static_cast<int>(part.only.size()), shares);
+    shares.begin.push_back(static_cast<int>(shares.labels.size()));
+    shares.moments.insert(shares.moments.end(), part.moments.begin(), part.moments.end());
+    for (std::size_t s = first; s < shares.parts.size(); ++s) shares.parts[s] += shares.parts[s] >= known ? offset : 0;
   }
-  shares.begin.push_back(static_cast<int>(shares.shares.size()));
 }
 
-std::vector<Eigen::Vector3d> labelPlanes(const CellShares& cells) {
-  const std::vector<Moments> sums = sumShares(cells);
+std::vector<Eigen::Vector3d> labelPlanes(const PatchGrid& cells, const CellShares& shares) {
+  const std::vector<Moments> sums = sumShares(cells, shares);
   std::vector<Eigen::Vector3d> planes;
   planes.reserve(sums.size());
   for (const Moments& m : sums) planes.push_back(fitPlane(m).a);

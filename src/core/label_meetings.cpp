@@ -11,7 +11,7 @@ namespace ppc {
 namespace {
 
 // Where labels meet in and from cells [begin, end), cell by cell.
-std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellLabels& all, int begin, int end) {
+std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellShares& all, int begin, int end) {
   std::vector<Meeting> meetings;
   meetings.reserve(static_cast<std::size_t>(end - begin));
   for (int i = begin; i < end; ++i) {
@@ -39,7 +39,7 @@ void sortGroups(std::vector<MeetingGroup>& groups) {
 
 }  // namespace
 
-std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellLabels& all, int threads) {
+std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellShares& all, int threads) {
   const int count = static_cast<int>(all.only.size()), parts = std::max(1, threads);
   std::vector<std::vector<Meeting>> found(static_cast<std::size_t>(parts));
   forEachPart(threads, parts, [&](int part) {

@@ -15,7 +15,7 @@ namespace {
 // Finds the labels of patches within two steps of a patch, itself included.
 class Neighbourhood {
  public:
-  Neighbourhood(const PatchGrid& patches, const CellLabels& cells)
+  Neighbourhood(const PatchGrid& patches, const CellShares& cells)
       : patches_(patches), cells_(cells), reached_(patches.patches.size(), -1) {}
 
   /// In ascending order.
@@ -52,7 +52,7 @@ class Neighbourhood {
   }
 
   const PatchGrid& patches_;
-  const CellLabels& cells_;
+  const CellShares& cells_;
   std::vector<int> reached_;  // the last patch from which each with several labels was reached
   std::vector<std::int32_t> labels_;
 };
@@ -75,7 +75,7 @@ void paint(const BeamGrid& grid, const Patch& patch, std::int32_t label, LabelIm
 }
 
 // Resolves cells among the labels around them. @param which left with those whose labels have changed.
-void resolveCells(const PatchGrid& cells, const CellLabels& all, std::vector<int>& which, std::int32_t first_open, bool keep,
+void resolveCells(const PatchGrid& cells, const CellShares& all, std::vector<int>& which, std::int32_t first_open, bool keep,
                   CellResolver& resolver, LabelImage& labels) {
   Neighbourhood neighbourhood(cells, all);
   std::size_t kept = 0;
@@ -96,7 +96,7 @@ void patchLabels(const BeamGrid& grid, const PatchGrid& patches, const CellShare
   forEachRange(threads, static_cast<int>(patches.patches.size()), [&](int begin, int end) {
     for (int p = begin; p < end; ++p) {
       const bool labelled = shares.begin[p] < shares.begin[p + 1];
-      paint(grid, patches.patches[p], labelled ? shares.shares[shares.begin[p]].label : 0, out);
+      paint(grid, patches.patches[p], labelled ? shares.labels[shares.begin[p]] : 0, out);
     }
   });
 }
@@ -106,7 +106,6 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
                   std::int32_t first_open, LabelImage& labels, std::vector<char>& changed, int threads) {
   const int count = static_cast<int>(cells.patches.size());
   changed.assign(cells.patches.size(), 0);
-  const CellLabels all(shares, threads);
 
   // The label of cells that have just one, whole; 0 of all others, kEmpty of those that have no points.
   constexpr std::int32_t kEmpty = -1;
@@ -114,15 +113,22 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
   std::vector<char> open(cells.patches.size()), full(cells.patches.size());
   forEachRange(threads, count, [&](int begin, int end) {
     for (int k = begin; k < end; ++k) {
+      const int first = shares.begin[k], last = shares.begin[k + 1];
+      if (last - first == 1 && shares.parts[first] == CellShares::kWhole) {  // as most are
+        full[k] = 1;
+        whole[k] = shares.labels[first];
+        open[k] = shares.labels[first] >= first_open ? 1 : 0;
+        continue;
+      }
       const int points = cells.patches[k].moments.n;
       int labelled = 0;
       bool newly = false;
-      for (int s = shares.begin[k]; s < shares.begin[k + 1]; ++s) {
-        labelled += shares.shares[s].moments.n;
-        newly = newly || all.labels[s] >= first_open;
+      for (int s = first; s < last; ++s) {
+        labelled += shares.momentsOf(cells, k, s).n;
+        newly = newly || shares.labels[s] >= first_open;
       }
       full[k] = labelled == points ? 1 : 0;
-      whole[k] = points == 0 ? kEmpty : full[k] != 0 && all.only[k] > 0 ? all.only[k] : 0;
+      whole[k] = points == 0 ? kEmpty : full[k] != 0 && shares.only[k] > 0 ? shares.only[k] : 0;
       open[k] = points > 0 && (newly || full[k] == 0) ? 1 : 0;
     }
   });
@@ -143,7 +149,7 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
     }
     // Points that are left over may be given labels of another kind before the shares are updated.
     for (const int k : found) changed[k] = full[k] != 0 ? 0 : 1;
-    resolveCells(cells, all, found, first_open, false, resolver, labels);
+    resolveCells(cells, shares, found, first_open, false, resolver, labels);
     for (const int k : found) changed[k] = 1;
   });
 }
@@ -151,15 +157,14 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
 std::vector<int> contestLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
                                const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
                                const CoplanarityTolerance& tolerance, LabelImage& labels, int threads) {
-  const CellLabels all(shares, threads);
-  const int count = static_cast<int>(all.only.size()), parts = threads > 1 ? 4 * threads : 1;
+  const int count = static_cast<int>(shares.only.size()), parts = threads > 1 ? 4 * threads : 1;
   std::vector<std::vector<int>> changed(static_cast<std::size_t>(parts));
   forEachPart(threads, parts, [&](int part) {
     CellResolver resolver(grid, cells, planes, noise, tolerance);
     for (int k = partBegin(count, parts, part), end = partBegin(count, parts, part + 1); k < end; ++k) {
-      if (isBorderCell(cells, all.only, k)) changed[part].push_back(k);
+      if (isBorderCell(cells, shares.only, k)) changed[part].push_back(k);
     }
-    resolveCells(cells, all, changed[part], 1, true, resolver, labels);
+    resolveCells(cells, shares, changed[part], 1, true, resolver, labels);
   });
   for (int part = 1; part < parts; ++part) changed[0].insert(changed[0].end(), changed[part].begin(), changed[part].end());
   return std::move(changed[0]);

@@ -97,9 +97,9 @@ bool isLevel(const Step& step, double range, const NoiseModel& noise, const Copl
 // Sums both sides of a border: what the two labels have in cells within kBorderSteps of those where they meet.
 class BorderSums {
  public:
-  BorderSums(const PatchGrid& cells, const CellShares& all, const CellLabels& labels, const std::vector<Meeting>& meetings,
+  BorderSums(const PatchGrid& cells, const CellShares& all, const std::vector<Meeting>& meetings,
              const std::vector<std::int32_t>& names)
-      : cells_(cells), all_(all), labels_(labels), meetings_(meetings), names_(names), reached_(cells.patches.size(), -1) {}
+      : cells_(cells), all_(all), meetings_(meetings), names_(names), reached_(cells.patches.size(), -1) {}
 
   // Of all meetings of two labels.
   std::pair<Moments, Moments> measure(const LabelPair& pair, const MeetingGroup* begin, const MeetingGroup* end) {
@@ -122,9 +122,9 @@ class BorderSums {
     std::pair<Moments, Moments> sums;
     for (const int i : wave_) {
       for (int s = all_.begin[i]; s < all_.begin[i + 1]; ++s) {
-        const std::int32_t label = names_[labels_.labels[s]];
-        if (label == pair.first) sums.first += all_.shares[s].moments;
-        if (label == pair.second) sums.second += all_.shares[s].moments;
+        const std::int32_t label = names_[all_.labels[s]];
+        if (label == pair.first) sums.first += all_.momentsOf(cells_, i, s);
+        if (label == pair.second) sums.second += all_.momentsOf(cells_, i, s);
       }
     }
     return sums;
@@ -161,14 +161,13 @@ class BorderSums {
   Moments momentsIn(int cell, std::int32_t label) const {
     Moments sum;
     for (int s = all_.begin[cell]; s < all_.begin[cell + 1]; ++s) {
-      if (names_[labels_.labels[s]] == label) sum += all_.shares[s].moments;
+      if (names_[all_.labels[s]] == label) sum += all_.momentsOf(cells_, cell, s);
     }
     return sum;
   }
 
   const PatchGrid& cells_;
   const CellShares& all_;
-  const CellLabels& labels_;
   const std::vector<Meeting>& meetings_;
   const std::vector<std::int32_t>& names_;
   std::vector<int> reached_;  // the last border that took the cell
@@ -181,17 +180,16 @@ class BorderSums {
 std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
                                       double threshold, CellShares& shares, std::vector<Eigen::Vector3d>& planes,
                                       int threads) {
-  const std::vector<Moments> sums = sumShares(shares);
+  const std::vector<Moments> sums = sumShares(cells, shares);
   std::vector<Whole> whole;
   whole.reserve(sums.size());
   for (const Moments& sum : sums) whole.push_back({sum, fitPlane(sum)});
   std::vector<std::int32_t> names(whole.size());
   std::iota(names.begin(), names.end(), 0);
   std::vector<char> fresh(whole.size(), 1);  // pairs of labels that have not changed need no second look
-  const CellLabels labels(shares, threads);
-  std::vector<Meeting> meetings = findMeetings(cells, labels, threads);
+  std::vector<Meeting> meetings = findMeetings(cells, shares, threads);
   std::vector<MeetingGroup> groups = groupMeetings(meetings);
-  BorderSums borders(cells, shares, labels, meetings, names);
+  BorderSums borders(cells, shares, meetings, names);
   std::vector<std::pair<double, LabelPair>> candidates;
   while (true) {
     candidates.clear();

@@ -108,20 +108,20 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
   growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config), memory.growth, memory.clusters,
                config.threads);
   CellShares& shares = memory.shares;
-  shareClusters(patches, memory.clusters.cluster_of, shares);
+  shareClusters(memory.clusters.cluster_of, shares);
   timer.lap("clustering");
   std::vector<Eigen::Vector3d>& planes = memory.planes;  // of the labels
   if (config.merge) {
     mergeShares(patches, noise, tolerance, config.similarity_threshold, shares, planes, config.threads);
     timer.lap("merging");
   } else {
-    planes = labelPlanes(shares);
+    planes = labelPlanes(patches, shares);
   }
   LabelImage labels;
   patchLabels(grid, patches, shares, labels, config.threads);
   std::vector<char>& changed = memory.changed;
   const auto update = [&] {
-    updateShares(grid, patches, noise, labels, changed, shares, memory.shares_before, config.threads);
+    updateShares(grid, patches, noise, labels, changed, shares, memory.share_updates, config.threads);
   };
   const auto refine = [&](std::int32_t first_open) {
     refineLabels(grid, patches, shares, planes, noise, tolerance, first_open, labels, changed, config.threads);
@@ -134,20 +134,20 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
     if (config.second_pass) {
       const std::int32_t first_new = addSmallRegions(grid, noise, tolerance, config, memory, labels);
       update();
-      planes = labelPlanes(shares);
+      planes = labelPlanes(patches, shares);
       refine(first_new);
       update();
       if (config.merge) {
         pieces.runs =
             mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels, planes, config.threads);
       } else {
-        planes = labelPlanes(shares);
+        planes = labelPlanes(patches, shares);
       }
       runs_known = config.merge;
       timer.lap("second pass");
     } else {
       update();
-      planes = labelPlanes(shares);
+      planes = labelPlanes(patches, shares);
     }
   }
   const int gap_rows = 2 * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols), gap_cols = 2;

@@ -42,57 +42,16 @@ struct Scene {
 const auto kLeft = [](const Eigen::Vector3d& p) { return p.y() > 0.0; };
 const Surface kWall = wall({-1.0, 0.0, 0.0}, -3.0);
 
-TEST(ShareCells, SumsWhatEachLabelHasInACell) {
-  const Scene scene({kWall}, 42);  // cuts through the strip of columns 40..43
-  const int cell = scene.cells.patchAt(10, 42);
-  const int begin = scene.shares.begin[cell];
-  ASSERT_EQ(scene.shares.begin[cell + 1] - begin, 2);
-  const Patch& patch = scene.cells.patches[cell];
-  EXPECT_EQ(scene.shares.shares[begin].label, 1);
-  EXPECT_EQ(scene.shares.shares[begin].moments.n, 2 * (patch.row_end - patch.row_begin));
-  const Moments both = scene.shares.shares[begin].moments + scene.shares.shares[begin + 1].moments;
-  EXPECT_EQ(both.n, patch.moments.n);
-  EXPECT_NEAR(both.w, patch.moments.w, 1e-3 * patch.moments.w);
-  EXPECT_NEAR(both.xx, patch.moments.xx, 1e-3 * patch.moments.xx);
-}
-
-TEST(ShareCells, AUniformCellHasOneShareAndAnUnlabelledOneNone) {
-  Scene scene({kWall}, 40);
-  for (int r = 0; r < 30; ++r) {
-    for (int c = 0; c < 20; ++c) scene.labels.labels[scene.grid.index(r, c)] = 0;
-  }
-  const CellShares shares = shareCells(scene.grid, scene.cells, kNoise, scene.labels);
-  const int none = scene.cells.patchAt(3, 3), one = scene.cells.patchAt(50, 60);
-  EXPECT_EQ(shares.begin[none + 1] - shares.begin[none], 0);
-  ASSERT_EQ(shares.begin[one + 1] - shares.begin[one], 1);
-  EXPECT_EQ(shares.shares[shares.begin[one]].label, 2);
-  EXPECT_EQ(shares.shares[shares.begin[one]].moments.w, scene.cells.patches[one].moments.w);
-  EXPECT_EQ(shares.begin.size(), scene.cells.patches.size() + 1);
-}
-
-TEST(LabelPlanes, AreTheLeastSquaresPlanes) {
-  const Scene scene({surfaceOf({{-Eigen::Vector3d::UnitX(), -2.0}, kLeft}), kWall});
-  const auto planes = labelPlanes(scene.shares);
-  ASSERT_EQ(planes.size(), 3U);
-  EXPECT_NEAR(1.0 / planes[1].norm(), 2.0, 0.002);
-  EXPECT_NEAR(1.0 / planes[2].norm(), 3.0, 0.002);
-  EXPECT_NEAR(planes[1].normalized().x(), 1.0, 1e-4);
-}
-
 TEST(MergeLabels, JoinsTheHalvesOfAWall) {
   Scene scene({kWall}, 42);
   scene.merge();
   EXPECT_EQ(countOf(scene.labels, scene.labels.labels[0]), scene.grid.size());
-  int points = 0;
-  const auto planes = labelPlanes(scene.shares);
+  const auto planes = labelPlanes(scene.cells, scene.shares);
   ASSERT_GE(scene.planes.size(), planes.size());
   for (std::size_t label = 1; label < planes.size(); ++label) EXPECT_LT((scene.planes[label] - planes[label]).norm(), 1e-9);
-  for (const auto& share : scene.shares.shares) {
-    EXPECT_EQ(share.label, scene.labels.labels[0]);
-    points += share.moments.n;
-  }
-  EXPECT_EQ(points, scene.grid.size());
-  EXPECT_EQ(scene.shares.shares.size(), scene.cells.patches.size());  // the shares of the cells that were cut are added up
+  EXPECT_EQ(sumShares(scene.cells, scene.shares)[scene.labels.labels[0]].n, scene.grid.size());
+  // The shares of the cells that were cut are added up.
+  EXPECT_EQ(scene.shares.labels, std::vector<std::int32_t>(scene.cells.patches.size(), scene.labels.labels[0]));
 }
 
 TEST(MergeLabels, KeepsAStepAndACrease) {

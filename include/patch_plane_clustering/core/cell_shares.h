@@ -12,14 +12,27 @@
 
 namespace ppc {
 
-/// @brief What the labels have in every cell of a grid of patches.
+/// @brief What the labels have in every cell of a grid of patches. Nine cells in ten are one label's whole: their moments
+/// stay where they are, and what is asked of all cells again and again are a few bytes of each.
 struct CellShares {
-  struct Share {
-    std::int32_t label;
-    Moments moments;  ///< of the label's pixels in the cell, weighed with the noise
-  };
-  std::vector<int> begin;     ///< index of each cell's first share, and one past the last
-  std::vector<Share> shares;  ///< cell by cell
+  static constexpr int kWhole = -1;
+
+  std::vector<int> begin;            ///< index of each cell's first share, and one past the last
+  std::vector<std::int32_t> only;    ///< for every cell its only label, 0 if it has none, -1 if it has several
+  std::vector<std::int32_t> labels;  ///< of every share, cell by cell
+  std::vector<int> parts;            ///< of every share: index of its moments, or kWhole: those of the cell are its own
+  std::vector<Moments> moments;      ///< of parts of cells, weighed with the noise; there may be some that no share has
+
+  /// Moments of a share of a cell. @param cells those that have been shared.
+  const Moments& momentsOf(const PatchGrid& cells, int cell, int share) const {
+    return parts[share] == kWhole ? cells.patches[cell].moments : moments[parts[share]];
+  }
+};
+
+/// @brief Working memory of updateShares(), which one image after the other may use.
+struct ShareMemory {
+  CellShares before;
+  std::vector<CellShares> rest;  ///< of the cells of each thread but the first
 };
 
 /// @brief Moments of the labels in every cell, about cells.center. @param cells with weighed moments (weighPatches).
@@ -27,34 +40,25 @@ CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseM
                       int threads = 1);
 
 /// @brief The same where clusters of patches were made labels, index + 1: nothing needs to be summed.
-void shareClusters(const PatchGrid& patches, const std::vector<int>& cluster_of, CellShares& shares);
+void shareClusters(const std::vector<int>& cluster_of, CellShares& shares);
 
 /// @brief The same, where the shares before some change of labels are known. @param changed for every cell: whether its
 /// labels may have changed since.
 /// @param shares those before; brought up to date. @param memory overwritten.
 void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels,
-                  const std::vector<char>& changed, CellShares& shares, CellShares& memory, int threads = 1);
+                  const std::vector<char>& changed, CellShares& shares, ShareMemory& memory, int threads = 1);
 
 /// @brief Moments of the labels over all cells; index = label.
-std::vector<Moments> sumShares(const CellShares& cells);
+std::vector<Moments> sumShares(const PatchGrid& cells, const CellShares& shares);
 
 /// @brief Renames the labels of the shares and adds up those that have become one in a cell. @param names index = label.
-void renameShares(const std::vector<std::int32_t>& names, CellShares& cells);
+void renameShares(const std::vector<std::int32_t>& names, CellShares& shares);
 
 /// @brief Planes of the labels: a (see moments.h); index = label.
-std::vector<Eigen::Vector3d> labelPlanes(const CellShares& cells);
-
-/// @brief The labels of every cell in arrays of their own: shares are large, and most of what is asked of them is the label.
-struct CellLabels {
-  const std::vector<int>& begin;     ///< see CellShares, which must outlive this
-  std::vector<std::int32_t> labels;  ///< cell by cell
-  std::vector<std::int32_t> only;    ///< for every cell its only label, 0 if it has none, -1 if it has several
-
-  explicit CellLabels(const CellShares& shares, int threads = 1);
-};
+std::vector<Eigen::Vector3d> labelPlanes(const PatchGrid& cells, const CellShares& shares);
 
 /// @brief Whether several labels meet in a cell, or it lies next to a cell with another label.
-/// @param only see CellLabels.
+/// @param only see CellShares.
 inline bool isBorderCell(const PatchGrid& cells, const std::vector<std::int32_t>& only, int cell) {
   const std::int32_t label = only[cell];
   if (label <= 0) return label < 0;

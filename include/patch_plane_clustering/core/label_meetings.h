@@ -35,7 +35,7 @@ struct MeetingGroup {
 };
 
 /// @brief Where labels meet, cell by cell.
-std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellLabels& all, int threads = 1);
+std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellShares& all, int threads = 1);
 
 /// @brief Brings meetings of the same two labels together. @return one group a pair, in ascending pairs.
 std::vector<MeetingGroup> groupMeetings(std::vector<Meeting>& meetings);

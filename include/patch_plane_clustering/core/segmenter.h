@@ -36,7 +36,8 @@ struct ClusteringMemory {
   PatchGrid patches, small_patches;
   PatchClusters clusters;
   GrowthMemory growth;
-  CellShares shares, shares_before;
+  CellShares shares;
+  ShareMemory share_updates;
   std::vector<char> changed;
   LabelPieces pieces;
   CurvatureMemory curvature;
