@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/cell_outliers.h"
 #include "patch_plane_clustering/core/cell_resolver.h"
+#include "patch_plane_clustering/core/labels_around.h"
 #include "patch_plane_clustering/core/lanes.h"
 #include "patch_plane_clustering/core/parallel.h"
 
@@ -11,51 +12,6 @@
 
 namespace ppc {
 namespace {
-
-// Finds the labels of patches within two steps of a patch, itself included.
-class Neighbourhood {
- public:
-  Neighbourhood(const PatchGrid& patches, const CellShares& cells)
-      : patches_(patches), cells_(cells), reached_(patches.patches.size(), -1) {}
-
-  /// In ascending order.
-  const std::vector<std::int32_t>& labelsAround(int index) {
-    labels_.clear();
-    // Most patches are come upon several times, and most of them have one label, or that of one before.
-    std::int32_t last = 0, other = 0;
-    const std::int32_t* const only = cells_.only.data();
-    const int* const begin = cells_.begin.data();
-    const auto look = [&](int i) {
-      const std::int32_t label = only[i];
-      if (label == last || label == other || label == 0) return;
-      if (label > 0) {
-        other = last;
-        add(last = label);
-      } else if (reached_[i] != index) {
-        reached_[i] = index;
-        for (int s = begin[i]; s < begin[i + 1]; ++s) add(cells_.labels[s]);
-      }
-    };
-    look(index);
-    patches_.forEachNeighbour(index, [&](int near) {
-      look(near);
-      patches_.forEachNeighbour(near, look);
-    });
-    return labels_;
-  }
-
- private:
-  void add(std::int32_t label) {
-    auto at = labels_.begin();
-    while (at != labels_.end() && *at < label) ++at;
-    if (at == labels_.end() || *at != label) labels_.insert(at, label);
-  }
-
-  const PatchGrid& patches_;
-  const CellShares& cells_;
-  std::vector<int> reached_;  // the last patch from which each with several labels was reached
-  std::vector<std::int32_t> labels_;
-};
 
 void paint(const BeamGrid& grid, const Patch& patch, std::int32_t label, LabelImage& out) {
   const int first = grid.index(patch.row_begin, patch.col_begin), cols = patch.col_end - patch.col_begin;
@@ -75,14 +31,13 @@ void paint(const BeamGrid& grid, const Patch& patch, std::int32_t label, LabelIm
 }
 
 // Resolves cells among the labels around them. @param which left with those whose labels have changed.
-void resolveCells(const PatchGrid& cells, const CellShares& all, std::vector<int>& which, std::int32_t first_open, bool keep,
+void resolveCells(const PatchGrid& cells, LabelsAround& around, std::vector<int>& which, std::int32_t first_open, bool keep,
                   CellResolver& resolver, LabelImage& labels) {
-  Neighbourhood neighbourhood(cells, all);
   std::size_t kept = 0;
   for (std::size_t j = 0; j < which.size(); ++j) {
     if (j + 1 < which.size()) resolver.prefetch(cells.patches[which[j + 1]], labels);
     const int k = which[j];
-    if (resolver.resolve(cells.patches[k], neighbourhood.labelsAround(k), first_open, keep, labels)) which[kept++] = k;
+    if (resolver.resolve(cells.patches[k], around.find(k), first_open, keep, labels)) which[kept++] = k;
   }
   which.resize(kept);
 }
@@ -132,8 +87,10 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
       open[k] = points > 0 && (newly || full[k] == 0) ? 1 : 0;
     }
   });
+  const BlockLabels blocks(cells, shares);
   forEachRange(threads, count, [&](int begin, int end) {
     CellResolver resolver(grid, cells, planes, noise, tolerance);
+    LabelsAround around(cells, shares, blocks);
     const CellOutliers outliers(grid, cells.center, planes, noise, tolerance);
     std::vector<int> found;
     for (int k = begin; k < end; ++k) {
@@ -149,7 +106,7 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
     }
     // Points that are left over may be given labels of another kind before the shares are updated.
     for (const int k : found) changed[k] = full[k] != 0 ? 0 : 1;
-    resolveCells(cells, shares, found, first_open, false, resolver, labels);
+    resolveCells(cells, around, found, first_open, false, resolver, labels);
     for (const int k : found) changed[k] = 1;
   });
 }
@@ -157,14 +114,16 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
 std::vector<int> contestLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
                                const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
                                const CoplanarityTolerance& tolerance, LabelImage& labels, int threads) {
+  const BlockLabels blocks(cells, shares);
   const int count = static_cast<int>(shares.only.size()), parts = threads > 1 ? 4 * threads : 1;
   std::vector<std::vector<int>> changed(static_cast<std::size_t>(parts));
   forEachPart(threads, parts, [&](int part) {
     CellResolver resolver(grid, cells, planes, noise, tolerance);
+    LabelsAround around(cells, shares, blocks);
     for (int k = partBegin(count, parts, part), end = partBegin(count, parts, part + 1); k < end; ++k) {
       if (isBorderCell(cells, shares.only, k)) changed[part].push_back(k);
     }
-    resolveCells(cells, shares, changed[part], 1, true, resolver, labels);
+    resolveCells(cells, around, changed[part], 1, true, resolver, labels);
   });
   for (int part = 1; part < parts; ++part) changed[0].insert(changed[0].end(), changed[part].begin(), changed[part].end());
   return std::move(changed[0]);
