@@ -13,6 +13,15 @@ constexpr float kMaxResidual = 36.0F;  // squared, of a point amid a region, whe
 
 }  // namespace
 
+void CellOutliers::prefetch(const Patch& cell) const {
+  const int middle = grid_.index((cell.row_begin + cell.row_end) / 2, cell.col_begin);
+  __builtin_prefetch(grid_.range.data() + middle);
+  if (grid_.origin_x.empty()) return;
+  for (const std::vector<float>* numbers : {&grid_.origin_x, &grid_.origin_y, &grid_.origin_z}) {
+    __builtin_prefetch(numbers->data() + middle);
+  }
+}
+
 // From the sums of the cell alone, so that the pixels of most cells need not be read. With ranges r, m of the point and of
 // the plane, an outlier adds (|a . p_0| r (r - m) / (m sigma))^2 to chi-square, where p_0 is on the plane and counted from
 // the beam's start; if no range is below half the mean, that is least for r just short of the plane.

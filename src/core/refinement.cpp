@@ -4,38 +4,25 @@
 #include "patch_plane_clustering/core/cell_outliers.h"
 #include "patch_plane_clustering/core/cell_resolver.h"
 #include "patch_plane_clustering/core/labels_around.h"
-#include "patch_plane_clustering/core/lanes.h"
 #include "patch_plane_clustering/core/parallel.h"
 
 #include <algorithm>
-#include <cstring>
+#include <cstddef>
 
 namespace ppc {
 namespace {
 
-void paint(const BeamGrid& grid, const Patch& patch, std::int32_t label, LabelImage& out) {
-  const int first = grid.index(patch.row_begin, patch.col_begin), cols = patch.col_end - patch.col_begin;
-  const int rows = patch.row_end - patch.row_begin, stride = grid.cols;
-  const float* ranges = grid.range.data() + first;
-  std::int32_t* labels = out.labels.data() + first;
-  if (cols == kLanes) {  // the default
-    for (int row = 0; row < rows; ++row, ranges += stride, labels += stride) {
-      const LaneMask painted = (loadLanes<Lanes>(ranges) > Lanes{}) & fillMask(label);
-      std::memcpy(labels, &painted, sizeof painted);
-    }
-    return;
-  }
-  for (int row = 0; row < rows; ++row, ranges += stride, labels += stride) {
-    for (int c = 0; c < cols; ++c) labels[c] = ranges[c] > 0.0F ? label : 0;
-  }
-}
+// Cells whose place, and whose beams, are fetched ahead.
+constexpr std::size_t kCellsAhead = 6, kBeamsAhead = 2;
+constexpr int kMiddlesAhead = 8;  // likewise, of cells amid regions
 
 // Resolves cells among the labels around them. @param which left with those whose labels have changed.
 void resolveCells(const PatchGrid& cells, LabelsAround& around, std::vector<int>& which, std::int32_t first_open, bool keep,
                   CellResolver& resolver, LabelImage& labels) {
   std::size_t kept = 0;
   for (std::size_t j = 0; j < which.size(); ++j) {
-    if (j + 1 < which.size()) resolver.prefetch(cells.patches[which[j + 1]], labels);
+    if (j + kCellsAhead < which.size()) __builtin_prefetch(&cells.patches[which[j + kCellsAhead]]);
+    if (j + kBeamsAhead < which.size()) resolver.prefetch(cells.patches[which[j + kBeamsAhead]], labels);
     const int k = which[j];
     if (resolver.resolve(cells.patches[k], around.find(k), first_open, keep, labels)) which[kept++] = k;
   }
@@ -43,18 +30,6 @@ void resolveCells(const PatchGrid& cells, LabelsAround& around, std::vector<int>
 }
 
 }  // namespace
-
-void patchLabels(const BeamGrid& grid, const PatchGrid& patches, const CellShares& shares, LabelImage& out, int threads) {
-  out.rows = grid.rows;
-  out.cols = grid.cols;
-  out.labels.resize(static_cast<std::size_t>(grid.size()));
-  forEachRange(threads, static_cast<int>(patches.patches.size()), [&](int begin, int end) {
-    for (int p = begin; p < end; ++p) {
-      const bool labelled = shares.begin[p] < shares.begin[p + 1];
-      paint(grid, patches.patches[p], labelled ? shares.labels[shares.begin[p]] : 0, out);
-    }
-  });
-}
 
 void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
                   const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
@@ -94,6 +69,7 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
     const CellOutliers outliers(grid, cells.center, planes, noise, tolerance);
     std::vector<int> found;
     for (int k = begin; k < end; ++k) {
+      if (k + kMiddlesAhead < end && open[k + kMiddlesAhead] != 0) outliers.prefetch(cells.patches[k + kMiddlesAhead]);
       if (open[k] == 0) continue;
       const std::int32_t own = whole[k];
       bool inside = own > 0;

@@ -13,6 +13,7 @@
 #include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/parallel.h"
 #include "patch_plane_clustering/core/patch_grid.h"
+#include "patch_plane_clustering/core/patch_labels.h"
 #include "patch_plane_clustering/core/refinement.h"
 #include "patch_plane_clustering/core/region_merging.h"
 #include "patch_plane_clustering/core/region_statistics.h"

@@ -45,23 +45,6 @@ struct Corner {
   }
 };
 
-TEST(PatchLabels, PaintTheValidPixelsOfClusteredPatches) {
-  BeamGrid grid = forwardBeams(8, 8, 0.01);
-  scan({wall({-1.0, 0.0, 0.0}, -2.0)}, grid);
-  grid.range[grid.index(0, 1)] = kNoRange;
-  const PatchGrid patches = makePatchGrid(grid, 4, false);
-  LabelImage labels;
-  CellShares shares;
-  shareClusters({0, -1, 1, 0}, shares);  // strip by strip
-  patchLabels(grid, patches, shares, labels);
-  EXPECT_EQ(labels.labels[grid.index(0, 0)], 1);
-  EXPECT_EQ(labels.labels[grid.index(0, 1)], 0);
-  EXPECT_EQ(labels.labels[grid.index(7, 0)], 0);
-  EXPECT_EQ(labels.labels[grid.index(0, 7)], 2);
-  EXPECT_EQ(labels.labels[grid.index(7, 7)], 1);
-  EXPECT_EQ(countOf(labels, 1), 31);
-}
-
 TEST(RefineLabels, AssignsTheOpenPixelsAlongACrease) {
   const Corner corner;
   const LabelImage refined = refine(corner.grid, corner.coarse);

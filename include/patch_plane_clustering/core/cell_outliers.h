@@ -21,6 +21,9 @@ class CellOutliers {
                const NoiseModel& noise, const CoplanarityTolerance& tolerance)
       : grid_(grid), center_(center), planes_(planes), noise_(noise), tolerance_(tolerance) {}
 
+  /// Fetches what clear() will read of most cells into the cache, while something else is done.
+  void prefetch(const Patch& cell) const;
+
   /// Clears the pixels of a cell that its only label, which all its valid pixels have, does not explain. The cell's moments
   /// must be weighed with the noise at its mean range (weighPatches). @return whether there are any.
   bool clear(const Patch& cell, std::int32_t label, LabelImage& out) const;

@@ -7,10 +7,6 @@
 
 namespace ppc {
 
-/// @brief Paints whole patches: their pixels with a measurement get the patch's label, all others 0.
-/// @param shares with one label a patch at most, see shareClusters().
-void patchLabels(const BeamGrid& grid, const PatchGrid& patches, const CellShares& shares, LabelImage& out, int threads = 1);
-
 /// @brief Resolves labels point by point, as sharp as the image: cells inside a region keep its label, in all others the
 /// planes seen in and near the cell compete for each point.
 ///
