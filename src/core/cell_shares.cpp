@@ -12,6 +12,9 @@
 namespace ppc {
 namespace {
 
+// Cells whose place, and whose pixels, are fetched ahead.
+constexpr std::size_t kCellsAhead = 6, kBeamsAhead = 2;
+
 // Whether a block of labels has the same everywhere.
 bool uniform(const std::int32_t* corner, int rows, int cols, int stride) {
   const LaneMask label = fillMask(*corner);
@@ -23,6 +26,37 @@ bool uniform(const std::int32_t* corner, int rows, int cols, int stride) {
     for (int c = whole; c < cols; ++c) others[0] |= row[c] ^ *corner;
   }
   return !anyLane(others);
+}
+
+// Lists the labels of a cell's pixels as they come row by row.
+void findLabels(const Patch& cell, const LabelImage& labels, std::vector<std::int32_t>& found) {
+  found.clear();
+  LaneMask last = {}, other = {};  // found last
+  const auto look = [&](LaneMask four) {
+    if (!anyLane((four > LaneMask{}) & (four != last) & (four != other))) return;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const std::int32_t label = four[lane];
+      if (label <= 0 || std::find(found.begin(), found.end(), label) != found.end()) continue;
+      found.push_back(label);
+      other = last;
+      last = fillMask(label);
+    }
+  };
+  const std::int32_t* row = labels.labels.data() + static_cast<std::ptrdiff_t>(cell.row_begin) * labels.cols;
+  const int whole = cell.col_end - (cell.col_end - cell.col_begin) % kLanes;
+  for (int r = cell.row_begin; r < cell.row_end; ++r, row += labels.cols) {
+    for (int c = cell.col_begin; c < whole; c += kLanes) look(loadLanes<LaneMask>(row + c));
+    if (whole < cell.col_end) look(loadLanes<LaneMask>(row + whole, cell.col_end - whole));
+  }
+}
+
+// Fetches what sharing a cell reads, while something else is done: its rows lie far apart.
+void prefetch(const BeamGrid& grid, const Patch& cell, const LabelImage& labels) {
+  for (int r = cell.row_begin; r < cell.row_end; ++r) {
+    const int i = grid.index(r, cell.col_begin);
+    prefetchBeams(grid, i);
+    __builtin_prefetch(labels.labels.data() + i);
+  }
 }
 
 // Valid pixels of a label in a cell.
@@ -50,13 +84,7 @@ void shareCell(const BeamGrid& grid, const Patch& cell, const Eigen::Vector3d& c
     if (*corner > 0 && cell.moments.n > 0) addShare(*corner, CellShares::kWhole, out);
     return;
   }
-  found.clear();
-  for (int r = cell.row_begin; r < cell.row_end; ++r) {
-    for (int i = grid.index(r, cell.col_begin); i < grid.index(r, cell.col_end); ++i) {
-      const std::int32_t label = labels.labels[i];
-      if (label > 0 && std::find(found.begin(), found.end(), label) == found.end()) found.push_back(label);
-    }
-  }
+  findLabels(cell, labels, found);
   for (const std::int32_t label : found) {
     if (found.size() == 1 && countPixels(grid, cell, labels, label) == cell.moments.n) {  // the patch's own sums serve
       addShare(label, CellShares::kWhole, out);
@@ -93,6 +121,7 @@ void clear(CellShares& shares) {
 
 // Adds the shares of cells [begin, end).
 void appendCells(const CellShares& from, int begin, int end, CellShares& to) {
+  if (begin == end) return;
   const auto append = [](const auto& source, int first, int last, auto& target) {
     target.insert(target.end(), source.begin() + first, source.begin() + last);
   };
@@ -171,19 +200,24 @@ void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel
     CellShares& mine = part == 0 ? shares : memory.rest[part - 1];  // the first part's go where all will be
     if (part > 0) clear(mine);
     std::vector<std::int32_t> found;
+    std::vector<int> which;
     const int part_end = partBegin(count, parts, part + 1);
-    for (int k = partBegin(count, parts, part), next = k; k < part_end; k = next) {
-      if (changed[k] == 0) {
-        while (next < part_end && changed[next] == 0) ++next;
-        appendCells(before, k, next, mine);
-        continue;
-      }
-      next = k + 1;
+    int next = partBegin(count, parts, part);
+    for (int k = next; k < part_end; ++k) {
+      if (changed[k] != 0) which.push_back(k);
+    }
+    for (std::size_t j = 0; j < which.size(); ++j) {
+      const int k = which[j];
+      if (j + kCellsAhead < which.size()) __builtin_prefetch(&cells.patches[which[j + kCellsAhead]]);
+      if (j + kBeamsAhead < which.size()) prefetch(grid, cells.patches[which[j + kBeamsAhead]], labels);
+      appendCells(before, next, k, mine);
       const std::size_t first = mine.labels.size();
       mine.begin.push_back(static_cast<int>(first));
       shareCell(grid, cells.patches[k], cells.center, noise, labels, part == 0 ? 0 : known, found, mine);
       mine.only.push_back(onlyOf(mine, first));
+      next = k + 1;
     }
+    appendCells(before, next, part_end, mine);
     mine.begin.push_back(static_cast<int>(mine.labels.size()));
   });
   for (const CellShares& part : memory.rest) {

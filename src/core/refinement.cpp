@@ -40,12 +40,11 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
   // The label of cells that have just one, whole; 0 of all others, kEmpty of those that have no points.
   constexpr std::int32_t kEmpty = -1;
   std::vector<std::int32_t> whole(cells.patches.size());
-  std::vector<char> open(cells.patches.size()), full(cells.patches.size());
+  std::vector<char> open(cells.patches.size());
   forEachRange(threads, count, [&](int begin, int end) {
     for (int k = begin; k < end; ++k) {
       const int first = shares.begin[k], last = shares.begin[k + 1];
       if (last - first == 1 && shares.parts[first] == CellShares::kWhole) {  // as most are
-        full[k] = 1;
         whole[k] = shares.labels[first];
         open[k] = shares.labels[first] >= first_open ? 1 : 0;
         continue;
@@ -57,9 +56,9 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
         labelled += shares.momentsOf(cells, k, s).n;
         newly = newly || shares.labels[s] >= first_open;
       }
-      full[k] = labelled == points ? 1 : 0;
-      whole[k] = points == 0 ? kEmpty : full[k] != 0 && shares.only[k] > 0 ? shares.only[k] : 0;
-      open[k] = points > 0 && (newly || full[k] == 0) ? 1 : 0;
+      const bool full = labelled == points;
+      whole[k] = points == 0 ? kEmpty : full && shares.only[k] > 0 ? shares.only[k] : 0;
+      open[k] = points > 0 && (newly || !full) ? 1 : 0;
     }
   });
   const BlockLabels blocks(cells, shares);
@@ -80,8 +79,6 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
         changed[k] = 1;
       }
     }
-    // Points that are left over may be given labels of another kind before the shares are updated.
-    for (const int k : found) changed[k] = full[k] != 0 ? 0 : 1;
     resolveCells(cells, around, found, first_open, false, resolver, labels);
     for (const int k : found) changed[k] = 1;
   });

@@ -48,9 +48,10 @@ void estimateCorrelation(const Config& config, NoiseModel& noise, CoplanarityTol
   for (Patch& patch : patches.patches) patch.weigh(found.variance);
 }
 
-// Regions too thin for any patch to fit inside: smaller patches of what the first pass left over. Returns their first label.
-std::int32_t addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                             const Config& config, ClusteringMemory& memory, LabelImage& labels) {
+// Regions too thin for any patch to fit inside: smaller patches of what the first pass left over, with labels from `first`
+// on. Cells where there are any are marked as changed.
+void addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
+                     const Config& config, std::int32_t first, ClusteringMemory& memory, LabelImage& labels) {
   PatchGrid& patches = memory.small_patches;
   makePatchGrid(grid, std::max(2, (config.patch_size + 2) / 2), memory.steps, &labels, config.threads, patches);
   weighPatches(noise, patches, config.threads);
@@ -59,7 +60,6 @@ std::int32_t addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, cons
   growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config), memory.growth, memory.clusters,
                config.threads);
   const int fewest_points = smallestRegion(config, grid.size()) / 4;
-  const std::int32_t first = 1 + highestLabel(labels);
   std::int32_t next = first;
   for (const Cluster& cluster : clusters.clusters) {
     if (cluster.moments.n < fewest_points) continue;
@@ -68,13 +68,14 @@ std::int32_t addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, cons
       for (int r = patch.row_begin; r < patch.row_end; ++r) {
         for (int c = patch.col_begin; c < patch.col_end; ++c) {
           const int i = grid.index(r, c);
-          if (grid.valid(i) && labels.labels[i] == 0) labels.labels[i] = next;
+          if (!grid.valid(i) || labels.labels[i] != 0) continue;
+          labels.labels[i] = next;
+          memory.changed[memory.patches.patchAt(r, c)] = 1;
         }
       }
     }
     ++next;
   }
-  return first;
 }
 
 }  // namespace
@@ -133,7 +134,8 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
     refine(1);
     timer.lap("refinement");
     if (config.second_pass) {
-      const std::int32_t first_new = addSmallRegions(grid, noise, tolerance, config, memory, labels);
+      const auto first_new = static_cast<std::int32_t>(planes.size());
+      addSmallRegions(grid, noise, tolerance, config, first_new, memory, labels);
       update();
       planes = labelPlanes(patches, shares);
       refine(first_new);

@@ -15,7 +15,7 @@ namespace ppc {
 /// @param cells blocks of pixels, with the shares of the labels in each (shareCells). @param planes see labelPlanes().
 /// @param first_open pixels with a label below this one keep it; 1 resolves all.
 /// @param labels the labels of which `shares` tells; resolved in place.
-/// @param changed set for each cell: whether its labels have changed, or it had points without one.
+/// @param changed set for each cell: whether its labels have changed.
 void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
                   const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
                   std::int32_t first_open, LabelImage& labels, std::vector<char>& changed, int threads = 1);
