@@ -117,6 +117,7 @@ void clearCells(CellShares& shares) {
 void clear(CellShares& shares) {
   clearCells(shares);
   shares.moments.clear();
+  shares.sums.clear();
 }
 
 // Adds the shares of cells [begin, end).
@@ -133,18 +134,48 @@ void appendCells(const CellShares& from, int begin, int end, CellShares& to) {
   append(from.parts, first, last, to.parts);
 }
 
-}  // namespace
-
-std::vector<Moments> sumShares(const PatchGrid& cells, const CellShares& shares) {
-  std::int32_t highest = 0;
-  for (const std::int32_t label : shares.labels) highest = std::max(highest, label);
-  std::vector<Moments> sums(static_cast<std::size_t>(highest) + 1);
+// Adds up the shares of the labels that are chosen.
+void sumLabels(const PatchGrid& cells, const std::vector<char>& chosen, CellShares& shares) {
   const int count = static_cast<int>(shares.only.size());
   for (int k = 0; k < count; ++k) {
-    for (int s = shares.begin[k]; s < shares.begin[k + 1]; ++s) sums[shares.labels[s]] += shares.momentsOf(cells, k, s);
+    for (int s = shares.begin[k]; s < shares.begin[k + 1]; ++s) {
+      const std::int32_t label = shares.labels[s];
+      if (chosen[label] != 0) shares.sums[label] += shares.momentsOf(cells, k, s);
+    }
   }
-  return sums;
 }
+
+// Brings the sums of the labels up to date. @param before the shares before; their moments are among those of now.
+void updateSums(const PatchGrid& cells, const std::vector<char>& changed, const CellShares& before, CellShares& shares) {
+  constexpr int kMostLost = 4;  // of a label less than one part in as many remains: rounding would weigh too much
+  std::vector<Moments>& sums = shares.sums;
+  std::vector<int> points(sums.size());
+  for (std::size_t label = 0; label < sums.size(); ++label) points[label] = sums[label].n;
+  for (int k = 0; k < static_cast<int>(changed.size()); ++k) {
+    if (changed[k] == 0) continue;
+    const int first = before.only.empty() ? 0 : before.begin[k], last = before.only.empty() ? 0 : before.begin[k + 1];
+    for (int s = first; s < last; ++s) {
+      const bool whole = before.parts[s] == CellShares::kWhole;
+      sums[before.labels[s]] -= whole ? cells.patches[k].moments : shares.moments[before.parts[s]];
+    }
+    for (int s = shares.begin[k]; s < shares.begin[k + 1]; ++s) {
+      const auto label = static_cast<std::size_t>(shares.labels[s]);
+      if (label >= sums.size()) sums.resize(label + 1);
+      sums[label] += shares.momentsOf(cells, k, s);
+    }
+  }
+  std::vector<char> again(sums.size(), 0);
+  bool any = false;
+  for (std::size_t label = 0; label < points.size(); ++label) {
+    if (sums[label].n >= (points[label] + kMostLost - 1) / kMostLost) continue;
+    again[label] = sums[label].n > 0 ? 1 : 0;
+    any = any || again[label] != 0;
+    sums[label] = Moments();
+  }
+  if (any) sumLabels(cells, again, shares);
+}
+
+}  // namespace
 
 void renameShares(const std::vector<std::int32_t>& names, CellShares& shares) {
   int out = 0;
@@ -164,6 +195,9 @@ void renameShares(const std::vector<std::int32_t>& names, CellShares& shares) {
     }
     if (end > begin) shares.only[k] = out - first == 1 ? shares.labels[first] : -1;
   }
+  std::vector<Moments> sums(shares.sums.size());
+  for (std::size_t label = 0; label < sums.size(); ++label) sums[names[label]] += shares.sums[label];
+  std::swap(sums, shares.sums);
   shares.begin.back() = out;
   shares.labels.resize(static_cast<std::size_t>(out));
   shares.parts.resize(static_cast<std::size_t>(out));
@@ -177,14 +211,16 @@ CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseM
   return shares;
 }
 
-void shareClusters(const std::vector<int>& cluster_of, CellShares& shares) {
+void shareClusters(const PatchClusters& clusters, CellShares& shares) {
   clear(shares);
-  for (const int cluster : cluster_of) {
+  for (const int cluster : clusters.cluster_of) {
     shares.begin.push_back(static_cast<int>(shares.labels.size()));
     shares.only.push_back(cluster + 1);
     if (cluster >= 0) addShare(cluster + 1, CellShares::kWhole, shares);
   }
   shares.begin.push_back(static_cast<int>(shares.labels.size()));
+  shares.sums.emplace_back();
+  for (const Cluster& cluster : clusters.clusters) shares.sums.push_back(cluster.moments);
 }
 
 void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels,
@@ -192,6 +228,8 @@ void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel
   std::swap(shares, memory.before);
   const CellShares& before = memory.before;
   std::swap(shares.moments, memory.before.moments);  // those that are there stay there, new ones follow
+  std::swap(shares.sums, memory.before.sums);
+  if (shares.sums.empty()) shares.sums.resize(1);
   const auto known = static_cast<int>(shares.moments.size());
   clearCells(shares);
   const int count = static_cast<int>(cells.patches.size()), parts = std::max(1, threads);
@@ -229,13 +267,13 @@ void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel
     shares.moments.insert(shares.moments.end(), part.moments.begin(), part.moments.end());
     for (std::size_t s = first; s < shares.parts.size(); ++s) shares.parts[s] += shares.parts[s] >= known ? offset : 0;
   }
+  updateSums(cells, changed, before, shares);
 }
 
-std::vector<Eigen::Vector3d> labelPlanes(const PatchGrid& cells, const CellShares& shares) {
-  const std::vector<Moments> sums = sumShares(cells, shares);
+std::vector<Eigen::Vector3d> labelPlanes(const CellShares& shares) {
   std::vector<Eigen::Vector3d> planes;
-  planes.reserve(sums.size());
-  for (const Moments& m : sums) planes.push_back(fitPlane(m).a);
+  planes.reserve(shares.sums.size());
+  for (const Moments& m : shares.sums) planes.push_back(fitPlane(m).a);
   return planes;
 }
 

@@ -180,10 +180,9 @@ class BorderSums {
 std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
                                       double threshold, CellShares& shares, std::vector<Eigen::Vector3d>& planes,
                                       int threads) {
-  const std::vector<Moments> sums = sumShares(cells, shares);
   std::vector<Whole> whole;
-  whole.reserve(sums.size());
-  for (const Moments& sum : sums) whole.push_back({sum, fitPlane(sum)});
+  whole.reserve(shares.sums.size());
+  for (const Moments& sum : shares.sums) whole.push_back({sum, fitPlane(sum)});
   std::vector<std::int32_t> names(whole.size());
   std::iota(names.begin(), names.end(), 0);
   std::vector<char> fresh(whole.size(), 1);  // pairs of labels that have not changed need no second look

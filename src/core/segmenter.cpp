@@ -110,14 +110,14 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
   growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config), memory.growth, memory.clusters,
                config.threads);
   CellShares& shares = memory.shares;
-  shareClusters(memory.clusters.cluster_of, shares);
+  shareClusters(memory.clusters, shares);
   timer.lap("clustering");
   std::vector<Eigen::Vector3d>& planes = memory.planes;  // of the labels
   if (config.merge) {
     mergeShares(patches, noise, tolerance, config.similarity_threshold, shares, planes, config.threads);
     timer.lap("merging");
   } else {
-    planes = labelPlanes(patches, shares);
+    planes = labelPlanes(shares);
   }
   LabelImage labels;
   patchLabels(grid, patches, shares, labels, config.threads);
@@ -137,20 +137,20 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
       const auto first_new = static_cast<std::int32_t>(planes.size());
       addSmallRegions(grid, noise, tolerance, config, first_new, memory, labels);
       update();
-      planes = labelPlanes(patches, shares);
+      planes = labelPlanes(shares);
       refine(first_new);
       update();
       if (config.merge) {
         pieces.runs =
             mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels, planes, config.threads);
       } else {
-        planes = labelPlanes(patches, shares);
+        planes = labelPlanes(shares);
       }
       runs_known = config.merge;
       timer.lap("second pass");
     } else {
       update();
-      planes = labelPlanes(patches, shares);
+      planes = labelPlanes(shares);
     }
   }
   const int gap_rows = 2 * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols), gap_cols = 2;

@@ -52,7 +52,7 @@ struct Corner {
     weighPatches(kNoise, cells);
     LabelImage wholes = piece_labels;
     for (std::int32_t& label : wholes.labels) label = pieces.whole[label];
-    std::vector<Eigen::Vector3d> planes = labelPlanes(cells, shareCells(grid, cells, kNoise, truth));
+    std::vector<Eigen::Vector3d> planes = labelPlanes(shareCells(grid, cells, kNoise, truth));
     planes.resize(10, planes[2]);
     LabelImage out = wholes;
     const std::vector<std::int32_t> names = settleBorders(grid, cells, shareCells(grid, cells, kNoise, wholes), planes,

@@ -61,7 +61,27 @@ std::map<std::int32_t, Moments> plainShares(const Scene& scene, const Patch& cel
   return shares;
 }
 
+// Sums of the labels against those of the shares.
+void expectSums(const Scene& scene, const CellShares& shares) {
+  std::map<std::int32_t, Moments> plain;
+  for (int k = 0; k < static_cast<int>(scene.cells.patches.size()); ++k) {
+    for (int s = shares.begin[k]; s < shares.begin[k + 1]; ++s) {
+      plain[shares.labels[s]] += shares.momentsOf(scene.cells, k, s);
+    }
+  }
+  for (std::int32_t label = 0; label < static_cast<std::int32_t>(shares.sums.size()); ++label) {
+    const Moments& sum = shares.sums[label];
+    EXPECT_EQ(sum.n, plain[label].n) << label;
+    EXPECT_NEAR(sum.xx, plain[label].xx, 1e-9 * plain[label].xx) << label;
+    EXPECT_NEAR(sum.w, plain[label].w, 1e-9 * plain[label].w) << label;
+    EXPECT_LE((fitPlane(sum).a - fitPlane(plain[label]).a).norm(), 1e-6) << label;
+    plain.erase(label);
+  }
+  EXPECT_TRUE(plain.empty());
+}
+
 void expectPlainShares(const Scene& scene, const CellShares& shares) {
+  expectSums(scene, shares);
   ASSERT_EQ(shares.begin.size(), scene.cells.patches.size() + 1);
   for (int k = 0; k < static_cast<int>(scene.cells.patches.size()); ++k) {
     const std::map<std::int32_t, Moments> expected = plainShares(scene, scene.cells.patches[k]);
@@ -127,14 +147,39 @@ TEST(UpdateShares, GivesWhatSharingAnewGives) {
   }
 }
 
+// A label that loses nearly all, and one that loses all.
+TEST(UpdateShares, SumsWhatIsLeftOfALabelAnew) {
+  Scene scene;
+  CellShares shares = shareCells(scene.grid, scene.cells, kNoise, scene.labels);
+  ShareMemory memory;
+  int left = 5;
+  for (std::int32_t& label : scene.labels.labels) label = label == 3 || (label == 1 && --left < 0) ? 2 : label;
+  updateShares(scene.grid, scene.cells, kNoise, scene.labels, std::vector<char>(scene.cells.patches.size(), 1), shares,
+               memory);
+  expectPlainShares(scene, shares);
+  ASSERT_EQ(shares.sums.size(), 4U);
+  EXPECT_LE(shares.sums[1].n, 5);
+  EXPECT_EQ(shares.sums[3].n, 0);
+  EXPECT_EQ(shares.sums[3].w, 0.0);
+}
+
 TEST(ShareClusters, MakesClustersLabels) {
+  PatchClusters clusters;
+  clusters.cluster_of = {1, -1, 0, 1};
+  clusters.clusters.resize(2);
+  clusters.clusters[0].moments.n = 7;
+  clusters.clusters[1].moments.n = 9;
   CellShares shares;
   for (int again = 0; again < 2; ++again) {
-    shareClusters({1, -1, 0, 1}, shares);
+    shareClusters(clusters, shares);
     EXPECT_EQ(shares.begin, (std::vector<int>{0, 1, 1, 2, 3}));
     EXPECT_EQ(shares.only, (std::vector<std::int32_t>{2, 0, 1, 2}));
     EXPECT_EQ(shares.labels, (std::vector<std::int32_t>{2, 1, 2}));
     EXPECT_EQ(shares.parts, std::vector<int>(3, CellShares::kWhole));
+    ASSERT_EQ(shares.sums.size(), 3U);
+    EXPECT_EQ(shares.sums[0].n, 0);
+    EXPECT_EQ(shares.sums[1].n, 7);
+    EXPECT_EQ(shares.sums[2].n, 9);
   }
 }
 
@@ -146,24 +191,9 @@ TEST(RenameShares, AddsUpWhatHasBecomeOneInACell) {
   expectPlainShares(scene, shares);
 }
 
-TEST(SumShares, AddsUpTheSharesOfALabel) {
-  const Scene scene;
-  const CellShares shares = shareCells(scene.grid, scene.cells, kNoise, scene.labels);
-  const std::vector<Moments> sums = sumShares(scene.cells, shares);
-  ASSERT_EQ(sums.size(), 4U);
-  std::map<std::int32_t, Moments> plain;
-  for (const Patch& cell : scene.cells.patches) {
-    for (const auto& [label, moments] : plainShares(scene, cell)) plain[label] += moments;
-  }
-  for (const auto& [label, moments] : plain) {
-    EXPECT_EQ(sums[label].n, moments.n);
-    EXPECT_NEAR(sums[label].xx * 1e-4, moments.xx, 0.01 * moments.xx);
-  }
-}
-
 TEST(LabelPlanes, FitThePointsOfALabel) {
   const Scene scene;
-  const auto planes = labelPlanes(scene.cells, shareCells(scene.grid, scene.cells, kNoise, scene.labels));
+  const auto planes = labelPlanes(shareCells(scene.grid, scene.cells, kNoise, scene.labels));
   ASSERT_EQ(planes.size(), 4U);
   for (std::size_t label = 1; label < 4; ++label) {
     EXPECT_LT((planes[label] - Eigen::Vector3d(-1.0, 0.2, 0.1) / -3.0).norm(), 0.01);

@@ -17,7 +17,9 @@ TEST(PatchLabels, PaintTheValidPixelsOfClusteredPatches) {
   const PatchGrid patches = makePatchGrid(grid, 4, false);
   LabelImage labels;
   CellShares shares;
-  shareClusters({0, -1, 1, 0}, shares);  // strip by strip
+  PatchClusters clusters;
+  clusters.cluster_of = {0, -1, 1, 0};  // strip by strip
+  shareClusters(clusters, shares);
   patchLabels(grid, patches, shares, labels);
   EXPECT_EQ(labels.labels[grid.index(0, 0)], 1);
   EXPECT_EQ(labels.labels[grid.index(0, 1)], 0);
@@ -38,10 +40,11 @@ TEST(PatchLabels, AreThoseOfEveryPixelsPatch) {
   for (const int size : {3, 4, 6, 8}) {
     PatchGrid patches;
     makePatchGrid(grid, size, steps, nullptr, 1, patches);
-    std::vector<int> cluster_of;
+    PatchClusters clusters;
+    std::vector<int>& cluster_of = clusters.cluster_of;
     for (int p = 0; p < static_cast<int>(patches.patches.size()); ++p) cluster_of.push_back(p % 5 == 2 ? -1 : p * 7 % 11);
     CellShares shares;
-    shareClusters(cluster_of, shares);
+    shareClusters(clusters, shares);
     for (const int threads : {1, 3}) {
       LabelImage labels;
       patchLabels(grid, patches, shares, labels, threads);

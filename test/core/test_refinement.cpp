@@ -26,7 +26,7 @@ LabelImage refine(const BeamGrid& grid, const LabelImage& labels, std::int32_t f
   const CellShares shares = shareCells(grid, cells, kNoise, labels);
   LabelImage out = labels;
   std::vector<char> changed;
-  refineLabels(grid, cells, shares, labelPlanes(cells, shares), kNoise, kTolerance, first_open, out, changed);
+  refineLabels(grid, cells, shares, labelPlanes(shares), kNoise, kTolerance, first_open, out, changed);
   return out;
 }
 
@@ -104,7 +104,7 @@ TEST(ContestLabels, MovesABorderToWhereThePlanesMeet) {
   }
   const PatchGrid cells = weighedCells(corner.grid);
   const CellShares shares = shareCells(corner.grid, cells, kNoise, labels);
-  const std::vector<Eigen::Vector3d> planes = labelPlanes(cells, shareCells(corner.grid, cells, kNoise, corner.truth));
+  const std::vector<Eigen::Vector3d> planes = labelPlanes(shareCells(corner.grid, cells, kNoise, corner.truth));
   contestLabels(corner.grid, cells, shares, planes, kNoise, kTolerance, labels);
   int wrong = 0;
   for (int i = 0; i < corner.grid.size(); ++i) wrong += labels.labels[i] != corner.truth.labels[i] ? 1 : 0;
@@ -118,7 +118,7 @@ TEST(ContestLabels, KeepsPointsThatNoPlaneExplains) {
   const PatchGrid cells = weighedCells(corner.grid);
   const CellShares shares = shareCells(corner.grid, cells, kNoise, corner.truth);
   LabelImage labels = corner.truth;
-  contestLabels(corner.grid, cells, shares, labelPlanes(cells, shares), kNoise, kTolerance, labels);
+  contestLabels(corner.grid, cells, shares, labelPlanes(shares), kNoise, kTolerance, labels);
   EXPECT_EQ(labels.labels[edge], corner.truth.labels[edge]);
 }
 

@@ -46,10 +46,10 @@ TEST(MergeLabels, JoinsTheHalvesOfAWall) {
   Scene scene({kWall}, 42);
   scene.merge();
   EXPECT_EQ(countOf(scene.labels, scene.labels.labels[0]), scene.grid.size());
-  const auto planes = labelPlanes(scene.cells, scene.shares);
+  const auto planes = labelPlanes(scene.shares);
   ASSERT_GE(scene.planes.size(), planes.size());
   for (std::size_t label = 1; label < planes.size(); ++label) EXPECT_LT((scene.planes[label] - planes[label]).norm(), 1e-9);
-  EXPECT_EQ(sumShares(scene.cells, scene.shares)[scene.labels.labels[0]].n, scene.grid.size());
+  EXPECT_EQ(scene.shares.sums[scene.labels.labels[0]].n, scene.grid.size());
   // The shares of the cells that were cut are added up.
   EXPECT_EQ(scene.shares.labels, std::vector<std::int32_t>(scene.cells.patches.size(), scene.labels.labels[0]));
 }

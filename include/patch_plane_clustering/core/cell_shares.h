@@ -2,6 +2,7 @@
 #pragma once
 
 #include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/clustering.h"
 #include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/patch_grid.h"
 #include "patch_plane_clustering/core/segmentation.h"
@@ -22,6 +23,7 @@ struct CellShares {
   std::vector<std::int32_t> labels;  ///< of every share, cell by cell
   std::vector<int> parts;            ///< of every share: index of its moments, or kWhole: those of the cell are its own
   std::vector<Moments> moments;      ///< of parts of cells, weighed with the noise; there may be some that no share has
+  std::vector<Moments> sums;         ///< of every label over all cells; index = label
 
   /// Moments of a share of a cell. @param cells those that have been shared.
   const Moments& momentsOf(const PatchGrid& cells, int cell, int share) const {
@@ -40,22 +42,20 @@ CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseM
                       int threads = 1);
 
 /// @brief The same where clusters of patches were made labels, index + 1: nothing needs to be summed.
-void shareClusters(const std::vector<int>& cluster_of, CellShares& shares);
+void shareClusters(const PatchClusters& clusters, CellShares& shares);
 
 /// @brief The same, where the shares before some change of labels are known. @param changed for every cell: whether its
-/// labels may have changed since.
+/// labels may have changed since. Sums of labels are kept, less what those cells had and with what they have: equal to those
+/// summed anew but for rounding.
 /// @param shares those before; brought up to date. @param memory overwritten.
 void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels,
                   const std::vector<char>& changed, CellShares& shares, ShareMemory& memory, int threads = 1);
-
-/// @brief Moments of the labels over all cells; index = label.
-std::vector<Moments> sumShares(const PatchGrid& cells, const CellShares& shares);
 
 /// @brief Renames the labels of the shares and adds up those that have become one in a cell. @param names index = label.
 void renameShares(const std::vector<std::int32_t>& names, CellShares& shares);
 
 /// @brief Planes of the labels: a (see moments.h); index = label.
-std::vector<Eigen::Vector3d> labelPlanes(const PatchGrid& cells, const CellShares& shares);
+std::vector<Eigen::Vector3d> labelPlanes(const CellShares& shares);
 
 /// @brief Whether several labels meet in a cell, or it lies next to a cell with another label.
 /// @param only see CellShares.
