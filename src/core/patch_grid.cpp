@@ -5,6 +5,7 @@
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/parallel.h"
 #include "patch_plane_clustering/core/quantile.h"
+#include "patch_plane_clustering/core/row_prefetch.h"
 
 #include <cmath>
 #include <cstdint>
@@ -190,19 +191,14 @@ void listPatches(const BeamGrid& grid, const LabelImage* done, int threads, Patc
   });
 }
 
-void prefetch(const BeamGrid& grid, const Patch& patch) {
-  constexpr int kLine = 16;                                                // numbers fetched together
-  if (patch.col_begin % kLine >= patch.col_end - patch.col_begin) return;  // have come with those of the patch before
-  for (int r = patch.row_begin; r < patch.row_end; ++r) prefetchBeams(grid, grid.index(r, patch.col_begin));
-}
-
 // Sums and fits the patches [begin, end).
-template <typename Choose>
-void sumPatches(const BeamGrid& grid, int begin, int end, const Choose& choose, PatchGrid& out) {
+// @param foresee called before each of them.
+template <typename Choose, typename Foresee>
+void sumPatches(const BeamGrid& grid, int begin, int end, const Choose& choose, const Foresee& foresee, PatchGrid& out) {
   PatchFitter fitter(out.center);
   for (int p = begin; p < end; ++p) {
     Patch& patch = out.patches[p];
-    if (p + kFetchAhead < end) prefetch(grid, out.patches[p + kFetchAhead]);
+    foresee(p);
     const BlockSums sums = sumPixels(grid, patch.row_begin, patch.row_end, patch.col_begin, patch.col_end, choose);
     if (sums.empty) {
       patch.moments = Moments();
@@ -212,6 +208,30 @@ void sumPatches(const BeamGrid& grid, int begin, int end, const Choose& choose, 
       fitter.add(sums, patch);
     }
   }
+}
+
+// All blocks of the image.
+void sumAll(const BeamGrid& grid, int begin, int end, PatchGrid& out) {
+  if (begin == end) return;
+  const auto bandOf = [&out](int p) { return out.patches[p].row_begin / kBandRows * kBandRows; };
+  RowPrefetch rows(grid, bandOf(begin), std::min(grid.rows, bandOf(end - 1) + 2 * kBandRows), 2 * kBandRows + 2,
+                   end - begin);
+  const auto fetch = [&](int p) { rows.step(bandOf(p)); };
+  sumPatches(
+      grid, begin, end, [](int, int) { return fillMask(-1); }, fetch, out);
+}
+
+// Those that are left, here and there, of pixels without a label.
+void sumOpen(const BeamGrid& grid, const LabelImage& done, int begin, int end, PatchGrid& out) {
+  const auto open = [&done](int i, int pixels) { return labelsAt(done, i, pixels) <= LaneMask{}; };
+  const auto fetch = [&](int p) {
+    if (p + kFetchAhead >= end) return;
+    const Patch& patch = out.patches[p + kFetchAhead];
+    constexpr int kLine = 16;                                                // numbers fetched together
+    if (patch.col_begin % kLine >= patch.col_end - patch.col_begin) return;  // have come with those of the patch before
+    for (int r = patch.row_begin; r < patch.row_end; ++r) prefetchBeams(grid, grid.index(r, patch.col_begin));
+  };
+  sumPatches(grid, begin, end, open, fetch, out);
 }
 
 // Lists the neighbours of patches [begin, end), and where each one's begin.
@@ -270,11 +290,9 @@ void makePatchGrid(const BeamGrid& grid, int patch_size, const AngularSteps& ste
   listPatches(grid, done, threads, out);
   forEachRange(threads, static_cast<int>(out.patches.size()), [&](int begin, int end) {
     if (done == nullptr) {
-      sumPatches(
-          grid, begin, end, [](int, int) { return fillMask(-1); }, out);
+      sumAll(grid, begin, end, out);
     } else {
-      const auto open = [done](int i, int pixels) { return labelsAt(*done, i, pixels) <= LaneMask{}; };
-      sumPatches(grid, begin, end, open, out);
+      sumOpen(grid, *done, begin, end, out);
     }
   });
   linkNeighbours(threads, out);
