@@ -90,14 +90,14 @@ void shareCell(const BeamGrid& grid, const Patch& cell, const Eigen::Vector3d& c
       addShare(label, CellShares::kWhole, out);
       continue;
     }
-    const BlockSums sums = sumPixels(grid, cell.row_begin, cell.row_end, cell.col_begin, cell.col_end,
-                                     [&](int i, int count) { return labelsAt(labels, i, count) == fillMask(label); });
-    if (sums.empty) continue;
+    const auto chosen = [&](int i, int count) { return labelsAt(labels, i, count) == fillMask(label); };
+    BlockSums sums;
+    if (!sumPixels(grid, {cell.row_begin, cell.row_end, cell.col_begin, cell.col_end}, chosen, sums)) continue;
     const int n = countLanes(sums.counted);
     const BlockMoments<double> block = momentsOf(sums, center);
     const double sigma = noise.sigma(block.ranges / n);
     addShare(label, first_part + static_cast<int>(out.moments.size()), out);
-    out.moments.push_back(momentsOf(block, 0, n));
+    out.moments.push_back(momentsOf(block, n));
     out.moments.back().scale(1.0 / (sigma * sigma));
   }
 }

@@ -4,6 +4,8 @@
 #include "patch_plane_clustering/core/block_moments.h"
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/parallel.h"
+#include "patch_plane_clustering/core/patch_links.h"
+#include "patch_plane_clustering/core/patch_order.h"
 #include "patch_plane_clustering/core/quantile.h"
 #include "patch_plane_clustering/core/row_prefetch.h"
 
@@ -16,9 +18,7 @@ namespace {
 // A patch near the pole may be this many times higher than wide in pixels: beyond, the lines no longer part.
 constexpr int kMaxAspect = 16;
 constexpr double kAspect = 1.3;
-constexpr int kStepCols = 8;  // columns between those where the step from row to row is measured
-// Rows whose patches are summed and stored together: as few as the processor can fetch ahead.
-constexpr int kBandRows = 8;
+constexpr int kStepCols = 8;     // columns between those where the step from row to row is measured
 constexpr int kFetchAhead = 12;  // patches
 
 double angleBetween(const BeamGrid& grid, int a, int b) { return (grid.direction(a) - grid.direction(b)).norm(); }
@@ -91,9 +91,6 @@ void layOut(const BeamGrid& grid, int patch_size, const AngularSteps& steps, Pat
   }
 }
 
-// Blocks of a strip that begin in rows [begin, end) are those from firstBlock(begin) to firstBlock(end).
-int firstBlock(int row, int height) { return (row + height - 1) / height; }
-
 // Sets patch_of_block of the blocks of strips [begin, end) to 0 that have valid pixels without a label.
 void markOpenBlocks(const BeamGrid& grid, const LabelImage& done, int begin, int end, PatchGrid& out) {
   const int first_col = begin * out.strip_cols, last_col = std::min(end * out.strip_cols, grid.cols);
@@ -118,56 +115,50 @@ void markOpenBlocks(const BeamGrid& grid, const LabelImage& done, int begin, int
   }
 }
 
-// Fills in patches from the sums of their blocks, two at a time.
+// Fills in patches from the sums of their blocks, four at a time, so that divisions of one are not waited for.
 class PatchFitter {
  public:
   explicit PatchFitter(const Eigen::Vector3d& center) : center_(center) {}
   PatchFitter(const PatchFitter&) = delete;
   PatchFitter& operator=(const PatchFitter&) = delete;
   ~PatchFitter() {
-    if (waiting_ != nullptr) fit(sums_, nullptr);
+    if (count_ > 0) fit();
   }
 
-  void add(const BlockSums& sums, Patch& patch) {
-    if (waiting_ == nullptr) {
-      sums_ = sums;
-      waiting_ = &patch;
-      return;
-    }
-    fit(sums, &patch);
-    waiting_ = nullptr;
+  /// Where to put the sums of the next patch.
+  BlockSums& next() { return sums_[count_]; }
+  /// Takes them for this one.
+  void add(Patch& patch) {
+    patches_[count_] = &patch;
+    if (++count_ == kLanes) fit();
   }
 
  private:
-  void fit(const BlockSums& sums, Patch* patch) {
-    const BlockMoments<Pair> moments = momentsOf(sums_, sums, center_);
-    const PlaneSolution<Pair> solution = solvePlane<Pair>(moments);
-    const auto finish = [&](Patch& out, const BlockSums& from, int k) {
-      const int n = countLanes(from.counted);
-      out.moments = momentsOf(moments, k, n);
-      out.fit = {Eigen::Vector3d(solution.ax[k], solution.ay[k], solution.az[k]), solution.chi2[k]};
-      out.range = moments.ranges[k] / n;
-    };
-    finish(*waiting_, sums_, 0);
-    if (patch != nullptr) finish(*patch, sums, 1);
+  void fit() {
+    const BlockTotals totals(sums_);
+    const BlockMoments<Pair> first = totals.firstMoments(center_), last = totals.lastMoments(center_);
+    const PlaneSolution<Pair> first_plane = solvePlane<Pair>(first), last_plane = solvePlane<Pair>(last);
+    for (int k = 0; k < count_; ++k) {
+      if (k < kPair) {
+        finish(*patches_[k], first, first_plane, k, totals.points(k));
+      } else {
+        finish(*patches_[k], last, last_plane, k - kPair, totals.points(k));
+      }
+    }
+    count_ = 0;
+  }
+
+  static void finish(Patch& out, const BlockMoments<Pair>& moments, const PlaneSolution<Pair>& plane, int k, int n) {
+    out.moments = momentsOf(moments, k, n);
+    out.fit = {Eigen::Vector3d(plane.ax[k], plane.ay[k], plane.az[k]), plane.chi2[k]};
+    out.range = moments.ranges[k] / n;
   }
 
   const Eigen::Vector3d& center_;
-  BlockSums sums_;
-  Patch* waiting_ = nullptr;
+  BlockSums sums_[kLanes];
+  Patch* patches_[kLanes] = {};
+  int count_ = 0;
 };
-
-// Calls f(strip, k) for the k-th blocks of strips in the order of their patches: by bands of rows, strip by strip in each.
-template <typename F>
-void forEachBlock(const PatchGrid& grid, F&& f) {
-  for (int begin = 0; begin < grid.rows; begin += kBandRows) {
-    const int end = std::min(begin + kBandRows, grid.rows);
-    for (int strip = 0; strip < grid.strips(); ++strip) {
-      const int height = grid.strip_rows[strip], last = firstBlock(end, height);
-      for (int k = firstBlock(begin, height); k < last; ++k) f(strip, k);
-    }
-  }
-}
 
 // Lists the patches of all blocks or, if labels are given, of those that have a valid pixel without one.
 void listPatches(const BeamGrid& grid, const LabelImage* done, int threads, PatchGrid& out) {
@@ -179,7 +170,7 @@ void listPatches(const BeamGrid& grid, const LabelImage* done, int threads, Patc
   for (const int patch : out.patch_of_block) count += patch + 1;
   out.patches.resize(static_cast<std::size_t>(count));
   int next = 0;
-  forEachBlock(out, [&](int strip, int k) {
+  forEachBlock(out, 0, bandsOf(out), [&](int strip, int k) {
     int& index = out.patch_of_block[out.strip_begin[strip] + k];
     if (index < 0) return;
     Patch& patch = out.patches[next];
@@ -199,13 +190,13 @@ void sumPatches(const BeamGrid& grid, int begin, int end, const Choose& choose, 
   for (int p = begin; p < end; ++p) {
     Patch& patch = out.patches[p];
     foresee(p);
-    const BlockSums sums = sumPixels(grid, patch.row_begin, patch.row_end, patch.col_begin, patch.col_end, choose);
-    if (sums.empty) {
+    const PixelBlock block{patch.row_begin, patch.row_end, patch.col_begin, patch.col_end};
+    if (sumPixels(grid, block, choose, fitter.next())) {
+      fitter.add(patch);
+    } else {
       patch.moments = Moments();
       patch.fit = PlaneFit();
       patch.range = 0.0;
-    } else {
-      fitter.add(sums, patch);
     }
   }
 }
@@ -234,48 +225,6 @@ void sumOpen(const BeamGrid& grid, const LabelImage& done, int begin, int end, P
   sumPatches(grid, begin, end, open, fetch, out);
 }
 
-// Lists the neighbours of patches [begin, end), and where each one's begin.
-void linkPatches(const PatchGrid& grid, int begin, int end, int* neighbour_begin, std::vector<int>& neighbours) {
-  neighbours.clear();
-  neighbours.reserve(6 * static_cast<std::size_t>(end - begin));
-  const auto link = [&](int block) {
-    if (grid.patch_of_block[block] >= 0) neighbours.push_back(grid.patch_of_block[block]);
-  };
-  for (int p = begin; p < end; ++p) {
-    neighbour_begin[p] = static_cast<int>(neighbours.size());
-    const Patch& patch = grid.patches[p];
-    if (patch.moments.n == 0) continue;  // nothing is ever asked from there
-    const int strip = patch.col_begin / grid.strip_cols, height = grid.strip_rows[strip];
-    const int k = patch.row_begin / height, block = grid.strip_begin[strip] + k;
-    if (k > 0) link(block - 1);
-    if (block + 1 < grid.strip_begin[strip + 1]) link(block + 1);
-    for (const int side : {strip - 1, strip + 1}) {
-      if (side < 0 || side >= grid.strips()) continue;
-      const int other = grid.strip_rows[side];
-      const int first = other == height ? k : patch.row_begin / other;
-      const int last = other == height ? k : (patch.row_end - 1) / other;
-      for (int i = first; i <= last; ++i) link(grid.strip_begin[side] + i);
-    }
-  }
-}
-
-void linkNeighbours(int threads, PatchGrid& grid) {
-  const int count = static_cast<int>(grid.patches.size()), parts = std::max(1, threads);
-  grid.neighbour_begin.resize(grid.patches.size() + 1);
-  std::vector<std::vector<int>> rest(static_cast<std::size_t>(parts - 1));  // the first part's go where all will be
-  forEachPart(threads, parts, [&](int part) {
-    linkPatches(grid, partBegin(count, parts, part), partBegin(count, parts, part + 1), grid.neighbour_begin.data(),
-                part == 0 ? grid.neighbours : rest[part - 1]);
-  });
-  for (int part = 1; part < parts; ++part) {
-    const auto offset = static_cast<int>(grid.neighbours.size());
-    const int end = partBegin(count, parts, part + 1);
-    for (int p = partBegin(count, parts, part); p < end; ++p) grid.neighbour_begin[p] += offset;
-    grid.neighbours.insert(grid.neighbours.end(), rest[part - 1].begin(), rest[part - 1].end());
-  }
-  grid.neighbour_begin.back() = static_cast<int>(grid.neighbours.size());
-}
-
 }  // namespace
 
 AngularSteps measureSteps(const BeamGrid& grid) { return {columnStep(grid), rowSteps(grid)}; }
@@ -295,7 +244,7 @@ void makePatchGrid(const BeamGrid& grid, int patch_size, const AngularSteps& ste
       sumOpen(grid, *done, begin, end, out);
     }
   });
-  linkNeighbours(threads, out);
+  linkPatches(threads, out);
 }
 
 PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, const LabelImage* done, int threads) {

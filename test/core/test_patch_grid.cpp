@@ -85,6 +85,41 @@ TEST(PatchGrid, SumsTheValidPointsWithUnitNoise) {
   EXPECT_FALSE(patch.planar);
 }
 
+// Four patches are fitted at a time, four columns summed: none may get the numbers of another.
+TEST(PatchGrid, EveryPatchHasItsOwnSums) {
+  for (const bool with_origins : {false, true}) {
+    for (const int k : {3, 4, 7}) {
+      BeamGrid grid = frontalWall(13, 27, 0.02);
+      for (int i = 0; i < grid.size(); ++i) grid.range[i] += 0.01F * static_cast<float>(i % 7);
+      for (int i = 5; i < 60; ++i) grid.range[i] = kNoRange;
+      if (with_origins) {
+        for (auto* numbers : {&grid.origin_x, &grid.origin_y, &grid.origin_z}) numbers->resize(grid.range.size());
+        for (int i = 0; i < grid.size(); ++i) grid.origin_x[i] = 0.001F * static_cast<float>(i % 5);
+      }
+      const PatchGrid patches = makePatchGrid(grid, k, false);
+      for (const Patch& patch : patches.patches) {
+        Moments sums;
+        double ranges = 0.0;
+        for (int r = patch.row_begin; r < patch.row_end; ++r) {
+          for (int i = grid.index(r, patch.col_begin); i < grid.index(r, patch.col_end); ++i) {
+            if (!grid.valid(i)) continue;
+            const Eigen::Vector3d p = grid.point(i).cast<double>() - patches.center;
+            sums.add(p.x(), p.y(), p.z(), static_cast<double>(grid.range[i]) * grid.range[i]);
+            ranges += grid.range[i];
+          }
+        }
+        ASSERT_EQ(patch.moments.n, sums.n);
+        if (sums.n == 0) continue;
+        EXPECT_NEAR(patch.moments.w, sums.w, 1e-5 * sums.w);
+        EXPECT_NEAR(patch.moments.x, sums.x, 1e-5 * std::abs(sums.x));
+        EXPECT_NEAR(patch.moments.yz, sums.yz, 1e-5 * (sums.yy + sums.zz));
+        EXPECT_NEAR(patch.range, ranges / sums.n, 1e-5);
+        EXPECT_NEAR(patch.fit.chi2, fitPlane(patch.moments).chi2, 1e-12 * sums.w);
+      }
+    }
+  }
+}
+
 TEST(PatchGrid, MomentsAreAboutTheMeanSensorPosition) {
   BeamGrid grid = toBeamGrid(noddingScan(21, 21, -0.2, 0.2, 0.2, {0.0, 0.0, 0.1}));
   scan({wall({-1.0, 0.0, 0.0}, -2.0)}, grid);

@@ -16,24 +16,10 @@ struct BlockSums {
   Lanes w = {}, x = {}, y = {}, z = {}, xx = {}, xy = {}, xz = {}, yy = {}, yz = {}, zz = {};
   Lanes ranges = {};
   LaneMask counted = {};
-  bool empty = true;
 
-  /// Adds the chosen valid ones of the beams from pixel i on.
-  void add(const BeamGrid& grid, int i, const BeamLanes& beam, LaneMask chosen) {
-    const LaneMask used = beam.valid & chosen;
-    if (empty) {
-      if (!anyLane(used)) return;
-      for (int lane = 0; empty; ++lane) {
-        empty = used[lane] == 0;
-        if (!empty) first = grid.point(i + lane);
-      }
-    }
-    // Elsewhere the range is 0, and so are the weight and all sums.
-    const Lanes range = used ? beam.range : Lanes{};
+  /// Adds points with their ranges, in the lanes used; elsewhere the range is 0.
+  void add(LaneMask used, Lanes range, Lanes px, Lanes py, Lanes pz) {
     const Lanes weight = range * range;
-    const Lanes px = beam.origin_x + range * beam.dir_x - first.x();
-    const Lanes py = beam.origin_y + range * beam.dir_y - first.y();
-    const Lanes pz = beam.origin_z + range * beam.dir_z - first.z();
     const Lanes wx = weight * px, wy = weight * py, wz = weight * pz;
     w += weight;
     x += wx;
@@ -50,27 +36,74 @@ struct BlockSums {
   }
 };
 
-/// @brief Sums the chosen valid pixels of rows [row_begin, row_end) and columns [col_begin, col_end).
-/// @param choose LaneMask(int i, int count): which of the `count` pixels from i on are wanted.
+/// @brief A block of pixels: rows [row_begin, row_end) and columns [col_begin, col_end) of a grid.
+struct PixelBlock {
+  int row_begin, row_end, col_begin, col_end;
+};
+
+/// The first of the chosen valid pixels of a block, downwards in four columns at a time; -1 if there is none.
 template <typename Choose>
-BlockSums sumPixels(const BeamGrid& grid, int row_begin, int row_end, int col_begin, int col_end, Choose&& choose) {
-  BlockSums s;
-  const int rows = row_end - row_begin;
-  for (int c = col_begin; c < col_end; c += kLanes) {  // downwards: patches are rarely wider than this
-    const int first = grid.index(row_begin, c), count = std::min(kLanes, col_end - c);
-    if (count == kLanes) {
-      for (int row = 0, i = first; row < rows; ++row, i += grid.cols) {
-        const LaneMask chosen = choose(i, kLanes);
-        if (anyLane(chosen)) s.add(grid, i, BeamLanes(grid, i), chosen);
-      }
-    } else {
-      for (int row = 0, i = first; row < rows; ++row, i += grid.cols) {
-        const LaneMask chosen = choose(i, count) & firstLanes(count);
-        if (anyLane(chosen)) s.add(grid, i, BeamLanes(grid, i, count), chosen);
+int firstPixel(const BeamGrid& grid, const PixelBlock& block, const Choose& choose) {
+  for (int c = block.col_begin; c < block.col_end; c += kLanes) {
+    const int count = std::min(kLanes, block.col_end - c);
+    for (int row = block.row_begin; row < block.row_end; ++row) {
+      const int i = grid.index(row, c);
+      const LaneMask chosen = choose(i, count);
+      if (!anyLane(chosen)) continue;
+      for (int lane = 0; lane < count; ++lane) {
+        if (chosen[lane] != 0 && grid.valid(i + lane)) return i + lane;
       }
     }
   }
-  return s;
+  return -1;
+}
+
+/// Sums the chosen valid pixels of a block about one of them. @tparam kOrigins whether the beams have any.
+template <bool kOrigins, typename Choose>
+void sumAbout(const Eigen::Vector3f& first, const BeamGrid& grid, const PixelBlock& block, const Choose& choose,
+              BlockSums& sums) {
+  const Lanes first_x = fill(first.x()), first_y = fill(first.y()), first_z = fill(first.z());
+  BlockSums s;  // known to nobody else, and so in registers
+  const auto add = [&](const BeamLanes& beam, LaneMask chosen) {
+    const LaneMask used = beam.valid & chosen;
+    const Lanes range = used ? beam.range : Lanes{};
+    if constexpr (kOrigins) {
+      s.add(used, range, beam.origin_x + range * beam.dir_x - first_x, beam.origin_y + range * beam.dir_y - first_y,
+            beam.origin_z + range * beam.dir_z - first_z);
+    } else {
+      s.add(used, range, range * beam.dir_x - first_x, range * beam.dir_y - first_y, range * beam.dir_z - first_z);
+    }
+  };
+  const int rows = block.row_end - block.row_begin;
+  int c = block.col_begin;
+  for (; c + kLanes <= block.col_end; c += kLanes) {  // downwards: patches are rarely wider than this
+    for (int row = 0, i = grid.index(block.row_begin, c); row < rows; ++row, i += grid.cols) {
+      const LaneMask chosen = choose(i, kLanes);
+      if (anyLane(chosen)) add(BeamLanes(grid, i), chosen);
+    }
+  }
+  if (const int count = block.col_end - c; count > 0) {
+    for (int row = 0, i = grid.index(block.row_begin, c); row < rows; ++row, i += grid.cols) {
+      const LaneMask chosen = choose(i, count) & firstLanes(count);
+      if (anyLane(chosen)) add(BeamLanes(grid, i, count), chosen);
+    }
+  }
+  sums = s;
+  sums.first = first;
+}
+
+/// @brief Sums the chosen valid pixels of a block. @param choose LaneMask(int i, int count): which of the `count` pixels
+/// from i on are wanted. @return false, and nothing is done, if there is none.
+template <typename Choose>
+bool sumPixels(const BeamGrid& grid, const PixelBlock& block, const Choose& choose, BlockSums& sums) {
+  const int first = firstPixel(grid, block, choose);
+  if (first < 0) return false;
+  if (grid.origin_x.empty()) {
+    sumAbout<false>(grid.point(first), grid, block, choose, sums);
+  } else {
+    sumAbout<true>(grid.point(first), grid, block, choose, sums);
+  }
+  return true;
 }
 
 /// @brief Moments of a block, or of two, about the centre. @tparam T double or Pair.
@@ -99,14 +132,12 @@ struct BlockMoments {
   }
 };
 
-inline double numberOf(double value, int /*k*/) { return value; }
-inline double numberOf(Pair pair, int k) { return pair[k]; }
-
-/// Moments of the k-th block, of `n` points.
-template <typename T>
-Moments momentsOf(const BlockMoments<T>& m, int k, int n) {
-  const auto at = [k](T value) { return numberOf(value, k); };
-  return {at(m.xx), at(m.xy), at(m.xz), at(m.yy), at(m.yz), at(m.zz), at(m.x), at(m.y), at(m.z), at(m.w), n};
+/// Moments of one block, or of the first or second of two, of `n` points.
+inline Moments momentsOf(const BlockMoments<double>& m, int n) {
+  return {m.xx, m.xy, m.xz, m.yy, m.yz, m.zz, m.x, m.y, m.z, m.w, n};
+}
+inline Moments momentsOf(const BlockMoments<Pair>& m, int k, int n) {
+  return {m.xx[k], m.xy[k], m.xz[k], m.yy[k], m.yz[k], m.zz[k], m.x[k], m.y[k], m.z[k], m.w[k], n};
 }
 
 inline BlockMoments<double> momentsOf(const BlockSums& sums, const Eigen::Vector3d& center) {
@@ -114,10 +145,36 @@ inline BlockMoments<double> momentsOf(const BlockSums& sums, const Eigen::Vector
           sums.first.y() - center.y(), sums.first.z() - center.z()};
 }
 
-/// The same for two blocks at a time.
-inline BlockMoments<Pair> momentsOf(const BlockSums& a, const BlockSums& b, const Eigen::Vector3d& center) {
-  return {[&](Lanes BlockSums::*sum) { return sumLanes(a.*sum, b.*sum); }, Pair{a.first.x(), b.first.x()} - center.x(),
-          Pair{a.first.y(), b.first.y()} - center.y(), Pair{a.first.z(), b.first.z()} - center.z()};
-}
+/// @brief Four blocks at a time: sums over the lanes of each, one lane a block.
+struct BlockTotals {
+  BlockSums sums;                   ///< its `first` means nothing
+  Lanes first_x, first_y, first_z;  ///< of the blocks
+
+  explicit BlockTotals(const BlockSums (&blocks)[kLanes]) {
+    const auto sum = [&](auto BlockSums::*m) { sums.*m = sumLanes(blocks[0].*m, blocks[1].*m, blocks[2].*m, blocks[3].*m); };
+    for (Lanes BlockSums::*m : {&BlockSums::w, &BlockSums::x, &BlockSums::y, &BlockSums::z, &BlockSums::xx, &BlockSums::xy,
+                                &BlockSums::xz, &BlockSums::yy, &BlockSums::yz, &BlockSums::zz, &BlockSums::ranges}) {
+      sum(m);
+    }
+    sum(&BlockSums::counted);
+    const auto firsts = [&](int axis) {
+      return Lanes{blocks[0].first[axis], blocks[1].first[axis], blocks[2].first[axis], blocks[3].first[axis]};
+    };
+    first_x = firsts(0);
+    first_y = firsts(1);
+    first_z = firsts(2);
+  }
+
+  int points(int block) const { return -sums.counted[block]; }
+  BlockMoments<Pair> firstMoments(const Eigen::Vector3d& center) const { return moments(firstPair, center); }
+  BlockMoments<Pair> lastMoments(const Eigen::Vector3d& center) const { return moments(lastPair, center); }
+
+ private:
+  template <typename PairOf>
+  BlockMoments<Pair> moments(const PairOf& pair, const Eigen::Vector3d& center) const {
+    return {[&](Lanes BlockSums::*sum) { return pair(sums.*sum); }, pair(first_x) - center.x(), pair(first_y) - center.y(),
+            pair(first_z) - center.z()};
+  }
+};
 
 }  // namespace ppc

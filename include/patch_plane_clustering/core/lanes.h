@@ -48,12 +48,17 @@ inline float sumLanes(Lanes v) { return (v[0] + v[2]) + (v[1] + v[3]); }
 constexpr int kPair = 2;
 using Pair = double __attribute__((vector_size(16)));
 
-/// sumLanes() of two vectors at a time.
-inline Pair sumLanes(Lanes a, Lanes b) {
-  const Lanes halves = __builtin_shufflevector(a, b, 0, 1, 4, 5) + __builtin_shufflevector(a, b, 2, 3, 6, 7);
-  const Lanes sums = halves + __builtin_shufflevector(halves, halves, 1, 0, 3, 2);
-  return Pair{sums[0], sums[2]};
+/// sumLanes() of four vectors at a time, lane by lane.
+template <typename Vector>
+Vector sumLanes(Vector a, Vector b, Vector c, Vector d) {
+  const Vector ab = __builtin_shufflevector(a, b, 0, 1, 4, 5) + __builtin_shufflevector(a, b, 2, 3, 6, 7);
+  const Vector cd = __builtin_shufflevector(c, d, 0, 1, 4, 5) + __builtin_shufflevector(c, d, 2, 3, 6, 7);
+  return __builtin_shufflevector(ab, cd, 0, 2, 4, 6) + __builtin_shufflevector(ab, cd, 1, 3, 5, 7);
 }
+
+/// The first two lanes, and the last two.
+inline Pair firstPair(Lanes v) { return Pair{v[0], v[1]}; }
+inline Pair lastPair(Lanes v) { return Pair{v[2], v[3]}; }
 
 inline int countLanes(LaneMask m) { return -((m[0] + m[2]) + (m[1] + m[3])); }
 inline bool anyLane(LaneMask m) {

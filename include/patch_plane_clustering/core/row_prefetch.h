@@ -29,16 +29,15 @@ class RowPrefetch {
   /// One step of the pass, which reads no row before `row` any more.
   void step(int row) {
     if (row_ >= std::min(row_end_, row + rows_ahead_)) return;
-    for (int k = 0; k < lines_per_step_; ++k) {
-      // Into the second-level cache: in the first there is no room for so much.
-      __builtin_prefetch(numbers_[array_] + static_cast<std::size_t>(row_) * cols_ + at_, 0, 2);
-      at_ += kLine;
-      if (at_ < cols_) continue;
-      at_ = 0;
-      if (++array_ < arrays_) continue;
-      array_ = 0;
-      if (++row_ == row_end_) return;
+    const float* const numbers = numbers_[array_] + static_cast<std::size_t>(row_) * cols_;
+    for (int k = 0; k < lines_per_step_; ++k, at_ += kLine) {  // perhaps a little beyond the row: it comes next
+      __builtin_prefetch(numbers + at_, 0, 2);                 // into the second-level cache: in the first there is no room
     }
+    if (at_ < cols_) return;
+    at_ = 0;
+    if (++array_ < arrays_) return;
+    array_ = 0;
+    ++row_;
   }
 
  private:

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/patch_links.h"
+
+#include "patch_plane_clustering/core/parallel.h"
+#include "patch_plane_clustering/core/patch_order.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+namespace ppc {
+namespace {
+
+// Writes the neighbours of a block's patch, and returns where they end.
+int* linkBlock(const PatchGrid& grid, int strip, int k, int* to) {
+  const int* const begin = grid.strip_begin.data() + strip;
+  const int* const height = grid.strip_rows.data() + strip;
+  const int* const patches = grid.patch_of_block.data();
+  const auto add = [&to](int patch) {
+    *to = patch;
+    to += patch >= 0 ? 1 : 0;  // others are left out
+  };
+  if (k > 0) add(patches[begin[0] + k - 1]);
+  if (begin[0] + k + 1 < begin[1]) add(patches[begin[0] + k + 1]);
+  const auto addBeside = [&](int side) {
+    if (height[side] == height[0]) return add(patches[begin[side] + k]);  // as nearly everywhere
+    const int first_row = k * height[0], last_row = std::min(first_row + height[0], grid.rows) - 1;
+    for (int i = first_row / height[side]; i <= last_row / height[side]; ++i) add(patches[begin[side] + i]);
+  };
+  if (strip > 0) addBeside(-1);
+  if (strip + 1 < grid.strips()) addBeside(1);
+  return to;
+}
+
+// Lists the neighbours of the patches of bands [begin, end), and where each one's begin. Returns how many there are; the
+// list may be longer, so that it is not cleared for each image.
+int linkBands(int begin, int end, std::vector<int>& neighbours, PatchGrid& grid) {
+  int size = 0;
+  forEachBlock(grid, begin, end, [&](int strip, int k) {
+    const int p = grid.patch_of_block[grid.strip_begin[strip] + k];
+    if (p < 0) return;
+    grid.neighbour_begin[p] = size;
+    if (grid.patches[p].moments.n == 0) return;  // nothing is ever asked from there
+    const auto most = static_cast<std::size_t>(size + 4 + 2 * grid.strip_rows[strip]);
+    if (most > neighbours.size()) neighbours.resize(2 * most);
+    size = static_cast<int>(linkBlock(grid, strip, k, neighbours.data() + size) - neighbours.data());
+  });
+  return size;
+}
+
+}  // namespace
+
+void linkPatches(int threads, PatchGrid& grid) {
+  const int bands = bandsOf(grid), parts = std::max(1, threads);
+  grid.neighbour_begin.resize(grid.patches.size() + 1);
+  std::vector<std::vector<int>> rest(static_cast<std::size_t>(parts - 1));  // the first part's go where all will be
+  std::vector<int> sizes(static_cast<std::size_t>(parts));
+  forEachPart(threads, parts, [&](int part) {
+    sizes[part] = linkBands(partBegin(bands, parts, part), partBegin(bands, parts, part + 1),
+                            part == 0 ? grid.neighbours : rest[part - 1], grid);
+  });
+  int links = sizes[0];
+  for (int part = 1; part < parts; ++part) {
+    forEachBlock(grid, partBegin(bands, parts, part), partBegin(bands, parts, part + 1), [&](int strip, int k) {
+      const int p = grid.patch_of_block[grid.strip_begin[strip] + k];
+      if (p >= 0) grid.neighbour_begin[p] += links;
+    });
+    const auto needed = static_cast<std::size_t>(links + sizes[part]);
+    if (needed > grid.neighbours.size()) grid.neighbours.resize(needed);
+    std::copy_n(rest[part - 1].begin(), sizes[part], grid.neighbours.begin() + links);
+    links += sizes[part];
+  }
+  grid.neighbour_begin.back() = links;
+}
+
+}  // namespace ppc
