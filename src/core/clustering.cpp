@@ -2,6 +2,7 @@
 #include "patch_plane_clustering/core/clustering.h"
 
 #include "patch_plane_clustering/core/parallel.h"
+#include "patch_plane_clustering/core/patch_roughness.h"
 #include "patch_plane_clustering/core/quantile.h"
 #include "patch_plane_clustering/core/running_plane.h"
 
@@ -16,7 +17,8 @@ constexpr int kMinPatchPoints = 6;
 // Standard deviation of a patch's distance, in tolerances of the distance, beyond which its surroundings are asked too:
 constexpr double kOneRing = 0.7;
 constexpr double kTwoRings = 1.5;
-constexpr int kClusterSizes = 3;  // size of a cluster over that of such surroundings before they are asked
+constexpr double kNearlyOneRing = 0.69;  // less, for patches that may be beyond
+constexpr int kClusterSizes = 3;         // size of a cluster over that of such surroundings before they are asked
 constexpr int kInflationPatches = 3000;
 constexpr int kFewPatches = 2000;           // not worth a second thread
 constexpr std::ptrdiff_t kSortedShare = 8;  // of the seeds, the part that is sorted at a time
@@ -51,14 +53,14 @@ bool isFlat(const Moments& m, const PlaneFit& fit, double range, const NoiseMode
 }
 
 // Finds the surroundings of those patches in [begin, end) that are to be asked together with them.
-void measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, int begin,
-                         int end, FoundSurroundings& result) {
+void measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
+                         const GrowthMemory& memory, int begin, int end, FoundSurroundings& result) {
   result.of.clear();
   result.around.clear();
   bool any = false;
   for (int i = begin; i < end; ++i) {
+    if (memory.uncertain[i] == 0) continue;
     const Patch& patch = grid.patches[i];
-    if (!patch.planar) continue;
     const double sigma = noise.sigma(patch.range);
     const double uncertainty =
         sigma * std::sqrt(tolerance.inflation / (patch.moments.n * secantSquared(patch.fit.a, patch.range)));
@@ -94,7 +96,7 @@ void measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const C
   std::vector<FoundSurroundings>& found = memory.found;
   found.resize(static_cast<std::size_t>(parts));
   forEachPart(threads, parts, [&](int part) {
-    measureSurroundings(grid, noise, tolerance, partBegin(count, parts, part), partBegin(count, parts, part + 1),
+    measureSurroundings(grid, noise, tolerance, memory, partBegin(count, parts, part), partBegin(count, parts, part + 1),
                         found[part]);
   });
   for (const FoundSurroundings& part : found) {
@@ -105,23 +107,27 @@ void measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const C
   }
 }
 
-// How rough the surroundings of each planar patch are, and its radius.
-void measurePatches(const PatchGrid& grid, GrowthMemory& memory, int threads) {
-  memory.roughness.resize(grid.patches.size());
-  memory.radius.resize(grid.patches.size());
+// What growth asks of every planar patch.
+void measurePatches(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
+                    GrowthMemory& memory, int threads) {
+  for (std::vector<double>* numbers : {&memory.roughness, &memory.radius, &memory.precision}) {
+    numbers->resize(grid.patches.size());
+  }
+  memory.uncertain.resize(grid.patches.size());
   forEachRange(threads, static_cast<int>(grid.patches.size()), [&](int begin, int end) {
+    PatchRoughness roughness(memory.roughness);
     for (int i = begin; i < end; ++i) {
       const Patch& patch = grid.patches[i];
+      memory.uncertain[i] = 0;
       if (!patch.planar) continue;
-      Moments around = patch.moments;
-      int missing = 4;
-      grid.forEachNeighbour(i, [&](int j) {
-        if (!grid.patches[j].planar) return;
-        around += grid.patches[j].moments;
-        --missing;
-      });
-      memory.roughness[i] = fitPlane(around).chi2 / std::max(1, around.n - 3) + std::max(0, missing);
-      memory.radius[i] = patch.moments.radius();
+      roughness.add(grid, i);
+      const double radius = patch.moments.radius(), sigma = noise.sigma(patch.range), n = patch.moments.n;
+      const double distance = tolerance.forNoise(sigma).sigma_distance, turned = tolerance.sigma_angle * radius;
+      memory.radius[i] = radius;
+      memory.precision[i] = n / (sigma * sigma) * (distance * distance + turned * turned);
+      const double limit = kNearlyOneRing * distance;
+      memory.uncertain[i] =
+          sigma * sigma * tolerance.inflation > limit * limit * n * secantSquared(patch.fit.a, patch.range) ? 1 : 0;
     }
   });
 }
@@ -191,7 +197,7 @@ void growClusters(const PatchGrid& grid, const NoiseModel& noise, const Coplanar
 
   // Seeds: patches whose whole neighbourhood is flat come first; there the first steps are safe.
   if (n < kFewPatches) threads = 1;
-  measurePatches(grid, memory, threads);
+  measurePatches(grid, noise, tolerance, memory, threads);
   const std::vector<double>& radius = memory.radius;
   memory.seeds.clear();
   for (int i = 0; i < n; ++i) {
@@ -201,7 +207,7 @@ void growClusters(const PatchGrid& grid, const NoiseModel& noise, const Coplanar
   memory.around_of.assign(n, -1);
   if (!plain) measureSurroundings(grid, noise, tolerance, memory, threads);
 
-  const double greatest = greatestMisfit(threshold);
+  const double greatest = greatestMisfit(threshold), noise_misfit = 3.0 * tolerance.inflation;
   std::vector<int>& queue = out.members;
   const auto grown = [&](const std::pair<double, int>& seed) { return out.cluster_of[seed.second] >= 0; };
   auto sorted_end = memory.seeds.begin();
@@ -226,11 +232,15 @@ void growClusters(const PatchGrid& grid, const NoiseModel& noise, const Coplanar
       const int at = queue[head];
       const Patch& from = grid.patches[at];
       grid.forEachNeighbour(at, [&](int j) {
+        if (out.cluster_of[j] >= 0) return;  // most of them, and their patches need not be read
         const Patch& patch = grid.patches[j];
-        if (!patch.planar || out.cluster_of[j] >= 0) return;
+        if (!patch.planar) return;
         if (plain) {
           if (plainSimilarity(from, plane.fit(), patch, noise, tolerance, comparison) < threshold) return;
-        } else {
+        } else if (memory.around_of[j] >= 0 ||
+                   !plane.surelySuits(patch.moments, patch.fit,
+                                      noise_misfit + memory.precision[j] * secantSquared(plane.about(), patch.range),
+                                      greatest)) {
           const double sigma = noise.sigma(patch.range);
           const CoplanarityTolerance local = tolerance.forNoise(sigma);
           const double points = std::min(patch.moments.n, plane.moments().n);

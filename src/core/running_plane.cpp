@@ -4,7 +4,6 @@
 namespace ppc {
 namespace {
 
-constexpr double kSurely = 0.7;  // of the greatest misfit: leaves room for a plane that lags behind
 constexpr int kMostGrowth = 16;  // inverse share of its points by which a cluster grows before its plane is fitted anew
 
 double misfitOf(double excess, const Eigen::Vector3d& a, const JoiningPiece& piece, const CoplanarityTolerance& tolerance) {
@@ -22,10 +21,9 @@ const PlaneFit& RunningPlane::fit() {
 }
 
 bool RunningPlane::suits(const JoiningPiece& piece, const CoplanarityTolerance& tolerance, double greatest) {
-  if (moments_.n > piece.moments.n) {
-    const double alone = chiSquare(piece.moments, fit_.a) - piece.fit.chi2;
-    if (misfitOf(alone, fit_.a, piece, tolerance) < kSurely * greatest) return true;
-  }
+  const double precision = piece.points / (piece.sigma * piece.sigma);
+  const double scale = misfitScale(precision, piece.radius, secantSquared(fit_.a, piece.range), tolerance);
+  if (surelySuits(piece.moments, piece.fit, scale, greatest)) return true;
   const PlaneFit joint = fitPlane(moments_ + piece.moments);
   return misfitOf(joint.chi2 - fit().chi2 - piece.fit.chi2, joint.a, piece, tolerance) <= greatest;
 }

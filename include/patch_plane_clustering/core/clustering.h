@@ -47,6 +47,8 @@ struct GrowthMemory {
   std::vector<FoundSurroundings> found;       ///< part by part of the patches
   std::vector<std::pair<double, int>> seeds;  ///< roughness of the surroundings, index of the patch
   std::vector<double> roughness, radius;      ///< of every patch, where it is planar
+  std::vector<double> precision;              ///< misfit(): precision times tau^2 across the surface, of the same
+  std::vector<char> uncertain;                ///< for every patch: planar, and may need its surroundings
   std::vector<int> around_of;                 ///< for every patch: index of its surroundings, or -1
   std::vector<Surroundings> around;
 };

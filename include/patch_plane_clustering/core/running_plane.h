@@ -30,6 +30,16 @@ class RunningPlane {
   /// The plane of all pieces that have joined.
   const PlaneFit& fit();
 
+  /// About the plane of all: it may lag behind.
+  const Eigen::Vector3d& about() const { return fit_.a; }
+
+  /// Whether the misfit of a piece is plainly less than `greatest` on that plane. @param scale the denominator of misfit()
+  /// there.
+  bool surelySuits(const Moments& moments, const PlaneFit& fit, double scale, double greatest) const {
+    constexpr double kSurely = 0.7;  // of the greatest misfit: leaves room for a plane that lags behind
+    return moments_.n > moments.n && chiSquare(moments, fit_.a) - fit.chi2 < kSurely * greatest * scale;
+  }
+
   /// Whether the misfit of a piece is at most `greatest`.
   bool suits(const JoiningPiece& piece, const CoplanarityTolerance& tolerance, double greatest);
   void join(const Moments& piece);

@@ -33,11 +33,16 @@ struct CoplanarityTolerance {
   }
 };
 
-/// @brief Misfit of the coplanarity conditions: twice the negative logarithm of similarity(), whose parameters it shares.
-inline double misfit(double excess, double precision, double radius, double sec2, const CoplanarityTolerance& tolerance) {
+/// The denominator of misfit().
+inline double misfitScale(double precision, double radius, double sec2, const CoplanarityTolerance& tolerance) {
   const double turned = tolerance.sigma_angle * radius;
   const double tau2 = (tolerance.sigma_distance * tolerance.sigma_distance + turned * turned) * sec2;
-  return std::max(0.0, excess) / (3.0 * tolerance.inflation + precision * tau2);
+  return 3.0 * tolerance.inflation + precision * tau2;
+}
+
+/// @brief Misfit of the coplanarity conditions: twice the negative logarithm of similarity(), whose parameters it shares.
+inline double misfit(double excess, double precision, double radius, double sec2, const CoplanarityTolerance& tolerance) {
+  return std::max(0.0, excess) / misfitScale(precision, radius, sec2, tolerance);
 }
 
 /// @brief Gaussian similarity of the coplanarity conditions of two pieces of surface, in (0, 1].
