@@ -28,8 +28,8 @@ namespace {
 
 PatchComparison comparisonOf(const Config& config) { return {config.running_plane, config.noise_aware}; }
 
-// What correlated errors do to the noise, if it is estimated, and to the tolerance.
-void estimateCorrelation(const Config& config, NoiseModel& noise, CoplanarityTolerance& tolerance,
+// What correlated errors do to the noise, if it is estimated, and to the tolerance. Returns whether anything.
+bool estimateCorrelation(const Config& config, NoiseModel& noise, CoplanarityTolerance& tolerance,
                          ClusteringMemory& memory) {
   PatchGrid& patches = memory.patches;
   forEachPart(config.threads, 2, [&](int part) {
@@ -42,10 +42,11 @@ void estimateCorrelation(const Config& config, NoiseModel& noise, CoplanarityTol
   const NoiseCorrelation found = correlationOf(memory.correlation, tolerance.inflation);
   tolerance.inflation_growth = found.growth;
   tolerance.patch_points = found.points;
-  if (config.noise_scale > 0.0 || found.variance == 1.0) return;
+  if (config.noise_scale > 0.0 || found.variance == 1.0) return tolerance.inflation != 1.0 || found.growth > 0.0;
   noise.scale(std::sqrt(found.variance));
   tolerance.inflation = std::max(1.0, tolerance.inflation / found.variance);
   for (Patch& patch : patches.patches) patch.weigh(found.variance);
+  return true;
 }
 
 // Regions too thin for any patch to fit inside: smaller patches of what the first pass left over, with labels from `first`
@@ -103,8 +104,9 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
   CoplanarityTolerance tolerance{config.sigma_distance, config.sigma_angle, 1.0};
   weighPatches(noise, patches, config.threads);
   gatePatches(noise, tolerance, patches, config.threads);
-  if (config.noise_aware) estimateCorrelation(config, noise, tolerance, memory);
-  gatePatches(noise, tolerance, patches, config.threads);
+  if (config.noise_aware && estimateCorrelation(config, noise, tolerance, memory)) {
+    gatePatches(noise, tolerance, patches, config.threads);
+  }
   timer.lap("fits");
 
   growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config), memory.growth, memory.clusters,
