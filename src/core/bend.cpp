@@ -10,10 +10,13 @@ namespace ppc {
 
 Bend bendOf(const RegionSamples& region) {
   constexpr double kUniformWidth = 3.46;  // width of a uniform distribution over its standard deviation
-  const Eigen::Vector3d s = region.plane.normal.unitOrthogonal();
-  const QuadraticSums sums = sumQuadratic(region.samples, s, region.plane.normal.cross(s));
+  const Eigen::Vector3d& normal = region.samples.normal;
+  const Eigen::Vector3d s = normal.unitOrthogonal(), t = normal.cross(s);
+  const QuadraticSums sums = sumQuadratic(region.samples, s, t);
   const QuadraticFit fit = fitQuadratic(sums);
   Bend bend;
+  const Eigen::Vector3d turned = (normal - fit.plane[1] * s - fit.plane[2] * t).normalized();
+  bend.plane = {turned, turned.dot(region.samples.center + fit.plane[0] * normal)};
   bend.chi2 = sums.total;
   bend.weight = sums.normal(0, 0);
   if (!(fit.weight > 0.0)) return bend;

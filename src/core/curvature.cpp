@@ -26,7 +26,8 @@ double misfit(const Plane& plane, const RegionSamples& region) {
   double sum = 0.0;
   for (std::size_t i = 0; i < samples.size; ++i) {
     if (samples.weight[i] == 0.0F) continue;
-    const double distance = offset + plane.normal.dot(Eigen::Vector3d(samples.x[i], samples.y[i], samples.z[i]));
+    const Eigen::Vector3d foot(samples.x[i], samples.y[i], samples.z[i]);
+    const double distance = offset + plane.normal.dot(foot + double{samples.height[i]} * samples.normal);
     sum += distance * distance - region.stride / double{samples.weight[i]};
   }
   return std::sqrt(std::max(0.0, sum / std::max(1, samples.used)));
@@ -39,6 +40,7 @@ void sampleBends(const BeamGrid& grid, const NoiseModel& noise, int first, int l
     if (memory.regions[label].points == 0) continue;
     sampleRegion(grid, noise, label, beams, memory);
     bends[label] = bendOf(memory.regions[label]);
+    memory.regions[label].plane = bends[label].plane;
   }
 }
 

@@ -137,6 +137,7 @@ QuadraticFit fitQuadratic(const QuadraticSums& sums) {
   normal.diagonal().array() += 1e-9 * normal.trace();  // for terms that the samples do not determine
   const Vector6 quadratic = normal.ldlt().solve(right);
   const Eigen::Vector3d linear = Eigen::Matrix3d(normal.topLeftCorner<3, 3>()).ldlt().solve(right.head<3>());
+  fit.plane = linear.cwiseProduct(units.head<3>());
   fit.plane_chi2 = std::max(0.0, sums.total - linear.dot(right.head<3>()));
   fit.quadratic_chi2 = std::max(0.0, sums.total - quadratic.dot(right));
   fit.hessian << 2.0 * quadratic[3], quadratic[4], quadratic[4], 2.0 * quadratic[5];

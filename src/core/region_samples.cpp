@@ -75,23 +75,27 @@ SampleSums readSamples(const BeamGrid& grid, const int* pixels, int n, const Noi
   return total;
 }
 
-// Moves samples to a center on their plane, and weighs those near it.
+// Moves samples to a center on their plane and along their beams onto it, and weighs those near it. Noise runs along the
+// beams: where it is large, points as measured would lie off their place by an amount that goes with their height, by more
+// the flatter the beam, and a flat surface would seem to bend.
 void weighSamples(const Eigen::Vector3f& move, const Eigen::Vector3f& normal, float rms, int n, float stride,
                   const SampledBeams& beams, SurfaceSamples& samples) {
   LaneMask used = {};
   for (int i = 0; i < n; i += kLanes) {
     const Lanes x = loadLanes<Lanes>(samples.x + i) - move.x(), y = loadLanes<Lanes>(samples.y + i) - move.y();
     const Lanes z = loadLanes<Lanes>(samples.z + i) - move.z();
+    const auto ux = loadLanes<Lanes>(&beams.ux[i]), uy = loadLanes<Lanes>(&beams.uy[i]), uz = loadLanes<Lanes>(&beams.uz[i]);
     const Lanes height = normal.x() * x + normal.y() * y + normal.z() * z;
-    const Lanes cosine = -(normal.x() * loadLanes<Lanes>(&beams.ux[i]) + normal.y() * loadLanes<Lanes>(&beams.uy[i]) +
-                           normal.z() * loadLanes<Lanes>(&beams.uz[i]));
-    const Lanes sigma = loadLanes<Lanes>(&beams.sigma[i]) * (cosine > fill(kMinCosine) ? cosine : fill(kMinCosine));
+    const Lanes towards = -(normal.x() * ux + normal.y() * uy + normal.z() * uz);
+    const Lanes cosine = towards > fill(kMinCosine) ? towards : fill(kMinCosine);
+    const Lanes sigma = loadLanes<Lanes>(&beams.sigma[i]) * cosine;
     const Lanes limit = kFarFromPlane * (sigma > fill(rms) ? sigma : fill(rms));
     const LaneMask near = (height <= limit) & (height >= -limit) & firstLanes(n - i);
     used += near;
-    storeLanes(x, samples.x + i);
-    storeLanes(y, samples.y + i);
-    storeLanes(z, samples.z + i);
+    const Lanes ahead = height / cosine, rest = height - ahead * towards;  // 0 but for beams that graze the plane
+    storeLanes(x + ahead * ux - rest * normal.x(), samples.x + i);
+    storeLanes(y + ahead * uy - rest * normal.y(), samples.y + i);
+    storeLanes(z + ahead * uz - rest * normal.z(), samples.z + i);
     storeLanes(height, samples.height + i);
     storeLanes(near ? stride / (sigma * sigma) : Lanes{}, samples.weight + i);
   }

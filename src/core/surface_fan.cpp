@@ -19,12 +19,12 @@ constexpr double kFanRatio = 0.15;     // misfit of one quadratic surface over t
 constexpr double kFanMisfit = 0.1;     // the same misfit per point, in units of the noise variance
 constexpr double kWideFan = 0.93;      // angle between two strips from which on the sides of an edge must be ruled out [rad]
 constexpr double kWidestFan = 2.0;     // largest angle between two strips of a fan [rad]
-constexpr double kWideFanRatio = 0.05;  // as kFanRatio, beyond kWideFan: an evenly sampled edge of two planes has 1/16
-constexpr double kLimbAngle = 0.31;     // smallest angle of a strip at the limb of a curved surface to its neighbour [rad]
-constexpr double kLimbRatio = 0.65;     // as kFanRatio, for such a strip
-constexpr double kLimbMisfit = 0.6;     // as kFanMisfit, likewise
-constexpr int kFew = 8;                 // one in so many samples tells that two regions are far from any one surface
-constexpr double kFarMisfit = 2.0;      // ... by so many times the misfit that is asked about
+constexpr double kWideFanRatio = 0.035;  // as kFanRatio, beyond kWideFan: an evenly sampled edge of two planes has 1/16
+constexpr double kLimbAngle = 0.31;      // smallest angle of a strip at the limb of a curved surface to its neighbour [rad]
+constexpr double kLimbRatio = 0.65;      // as kFanRatio, for such a strip
+constexpr double kLimbMisfit = 0.6;      // as kFanMisfit, likewise
+constexpr int kFew = 8;                  // one in so many samples tells that two regions are far from any one surface
+constexpr double kFarMisfit = 2.0;       // ... by so many times the misfit that is asked about
 
 // Radius of an evenly sampled strip of a cylinder [m]: its parabola of height h = w^2 / 8 R over the width w = turn R has
 // the root mean square 2 h / (3 sqrt 5).

@@ -83,9 +83,10 @@ TEST(RegionSamples, LieAboutTheirPlaneWithTheirNoise) {
       }
       const Eigen::Vector3d point = scene.grid.point(pixels[k]).cast<double>();
       const Eigen::Vector3d found = samples.center + Eigen::Vector3d(samples.x[k], samples.y[k], samples.z[k]);
-      EXPECT_LT((found - point).norm(), 1e-5);
-      EXPECT_NEAR(samples.height[k], region.plane.signedDistance(point), 1e-5);
-      const double cosine = -region.plane.normal.dot(scene.grid.direction(pixels[k]).cast<double>());
+      const Eigen::Vector3d beam = scene.grid.direction(pixels[k]).cast<double>();
+      const double cosine = -region.plane.normal.dot(beam), distance = region.plane.signedDistance(point);
+      EXPECT_LT((found - (point + distance / cosine * beam)).norm(), 1e-5);  // where the beam meets the plane
+      EXPECT_NEAR(samples.height[k], distance, 1e-5);
       const double sigma = kNoise.sigma(scene.grid.range[pixels[k]]) * std::max(0.1, cosine);
       const double limit = 4.0 * std::max(sigma, rms), height = std::abs(double{samples.height[k]});
       if (std::abs(height - limit) < 1e-5) continue;

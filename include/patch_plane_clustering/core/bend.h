@@ -12,6 +12,7 @@ struct Bend {
   double amplitude = 0.0;  ///< root mean square of the quadratic part [m]
   double chi2 = 0.0;       ///< of the samples about their own plane
   double weight = 0.0;     ///< of the samples, sum of 1 / variance [1/m^2]
+  Plane plane;             ///< of the samples along their beams: without the bias of total least squares in much noise
 };
 
 /// @brief Fits the surface to a region's samples.

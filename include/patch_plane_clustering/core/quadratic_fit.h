@@ -11,8 +11,8 @@ namespace ppc {
 struct SurfaceSamples {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< on the plane; the points are about it [m]
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
-  float *x = nullptr, *y = nullptr, *z = nullptr;  ///< [m]
-  float* height = nullptr;                         ///< normal . (x, y, z) [m]
+  float *x = nullptr, *y = nullptr, *z = nullptr;  ///< on the plane: where its beam meets it, or below it [m]
+  float* height = nullptr;                         ///< of what was measured over the plane, along the normal [m]
   float* weight = nullptr;                         ///< 1 / variance of the height [1/m^2]; 0: left out
   std::size_t size = 0;                            ///< of a column
   int used = 0;                                    ///< samples of a weight above 0
@@ -53,6 +53,7 @@ QuadraticSums sumQuadraticAbout(const Eigen::Vector3d& origin, const SurfaceSamp
 /// @brief Least-squares plane and quadratic surface.
 struct QuadraticFit {
   double plane_chi2 = 0.0, quadratic_chi2 = 0.0;
+  Eigen::Vector3d plane = Eigen::Vector3d::Zero();    // z = c0 [m] + c1 s + c2 t
   double weight = 0.0;                                // sum of 1 / sigma^2 [1/m^2]
   Eigen::Matrix2d hessian = Eigen::Matrix2d::Zero();  // [1/m]
   Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();  // weighted covariance of (s, t) about the origin [m^2]
