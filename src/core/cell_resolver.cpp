@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/cell_resolver.h"
 
+#include "patch_plane_clustering/core/cell_prefetch.h"
+
 #include <algorithm>
 #include <cstring>
 #include <limits>
@@ -33,13 +35,9 @@ CellResiduals CellResolver::residuals(const CellNoise& noise, std::int32_t label
 }
 
 void CellResolver::prefetch(const Patch& cell, const LabelImage& labels) const {
-  const int reach = reachOf(cell), stride = grid_.cols;
-  const int begin = grid_.index(std::max(0, cell.row_begin - reach), cell.col_begin);
-  const int end = grid_.index(std::min(grid_.rows, cell.row_end + reach), 0);
-  for (int i = begin; i < end; i += stride) {
-    prefetchBeams(grid_, i);
-    __builtin_prefetch(labels.labels.data() + i);
-  }
+  const int reach = reachOf(cell);
+  prefetchCell(grid_, labels, std::max(0, cell.row_begin - reach), std::min(grid_.rows, cell.row_end + reach),
+               cell.col_begin);
 }
 
 int CellResolver::reachOf(const Patch& cell) const {

@@ -2,6 +2,7 @@
 #include "patch_plane_clustering/core/cell_shares.h"
 
 #include "patch_plane_clustering/core/block_moments.h"
+#include "patch_plane_clustering/core/cell_prefetch.h"
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/parallel.h"
 
@@ -47,15 +48,6 @@ void findLabels(const Patch& cell, const LabelImage& labels, std::vector<std::in
   for (int r = cell.row_begin; r < cell.row_end; ++r, row += labels.cols) {
     for (int c = cell.col_begin; c < whole; c += kLanes) look(loadLanes<LaneMask>(row + c));
     if (whole < cell.col_end) look(loadLanes<LaneMask>(row + whole, cell.col_end - whole));
-  }
-}
-
-// Fetches what sharing a cell reads, while something else is done: its rows lie far apart.
-void prefetch(const BeamGrid& grid, const Patch& cell, const LabelImage& labels) {
-  for (int r = cell.row_begin; r < cell.row_end; ++r) {
-    const int i = grid.index(r, cell.col_begin);
-    prefetchBeams(grid, i);
-    __builtin_prefetch(labels.labels.data() + i);
   }
 }
 
@@ -247,7 +239,10 @@ void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel
     for (std::size_t j = 0; j < which.size(); ++j) {
       const int k = which[j];
       if (j + kCellsAhead < which.size()) __builtin_prefetch(&cells.patches[which[j + kCellsAhead]]);
-      if (j + kBeamsAhead < which.size()) prefetch(grid, cells.patches[which[j + kBeamsAhead]], labels);
+      if (j + kBeamsAhead < which.size()) {
+        const Patch& cell = cells.patches[which[j + kBeamsAhead]];
+        prefetchCell(grid, labels, cell.row_begin, cell.row_end, cell.col_begin);
+      }
       appendCells(before, next, k, mine);
       const std::size_t first = mine.labels.size();
       mine.begin.push_back(static_cast<int>(first));

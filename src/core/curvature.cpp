@@ -88,7 +88,7 @@ void planarNames(const BeamGrid& grid, const NoiseModel& noise, const Coplanarit
     const Bend& bend = bends[label];
     const bool bends_weakly = bend.turn > kWeakTurn * max_turn &&
                               bend.amplitude > kWeakAmplitude * tolerance.sigma_distance &&
-                              bend.excess > kSignificance * tolerance.inflation;
+                              bend.excess > kBendSignificance * tolerance.inflation;
     weak[label] = bends_weakly ? 1 : 0;
     curved[label] =
         bends_weakly && bend.turn > max_turn && bend.amplitude > kMinAmplitude * tolerance.sigma_distance ? 1 : 0;

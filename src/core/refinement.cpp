@@ -84,22 +84,20 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
   });
 }
 
-std::vector<int> contestLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
-                               const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
-                               const CoplanarityTolerance& tolerance, LabelImage& labels, int threads) {
+void contestLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
+                   const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
+                   const CoplanarityTolerance& tolerance, LabelImage& labels, int threads) {
   const BlockLabels blocks(cells, shares);
   const int count = static_cast<int>(shares.only.size()), parts = threads > 1 ? 4 * threads : 1;
-  std::vector<std::vector<int>> changed(static_cast<std::size_t>(parts));
   forEachPart(threads, parts, [&](int part) {
     CellResolver resolver(grid, cells, planes, noise, tolerance);
     LabelsAround around(cells, shares, blocks);
+    std::vector<int> borders;
     for (int k = partBegin(count, parts, part), end = partBegin(count, parts, part + 1); k < end; ++k) {
-      if (isBorderCell(cells, shares.only, k)) changed[part].push_back(k);
+      if (isBorderCell(cells, shares.only, k)) borders.push_back(k);
     }
-    resolveCells(cells, around, changed[part], 1, true, resolver, labels);
+    resolveCells(cells, around, borders, 1, true, resolver, labels);
   });
-  for (int part = 1; part < parts; ++part) changed[0].insert(changed[0].end(), changed[part].begin(), changed[part].end());
-  return std::move(changed[0]);
 }
 
 }  // namespace ppc

@@ -100,13 +100,13 @@ bool isFan(const BentRegion& a, const BentRegion& b, const CoplanarityTolerance&
   if (angle < kNarrowAngle * max_turn || angle > kWidestFan) return false;
   const auto bends = [&](const Bend& bend) {
     return bend.turn > kNarrowTurn * angle && radiusOf(bend) < kNarrowRadius &&
-           bend.excess > kSignificance * tolerance.inflation;
+           bend.excess > kBendSignificance * tolerance.inflation;
   };
   if (angle < kFanAngle * max_turn && !(bends(a.bend) && bends(b.bend))) return false;
   const CommonSurface common(a, b, tolerance);
   if (common.isRuledOut(kFanMisfit)) return false;
   const Misfit misfit = common.fit();
-  return misfit.plane > kSignificance * tolerance.inflation &&
+  return misfit.plane > kBendSignificance * tolerance.inflation &&
          misfit.isSmooth(angle < kWideFan ? kFanRatio : kWideFanRatio, kFanMisfit);
 }
 
@@ -116,7 +116,7 @@ bool isMoreOfFan(const BentRegion& strip, const BentRegion& beside, const Coplan
   const CommonSurface common(strip, beside, tolerance);
   if (common.isRuledOut(std::max(kFanMisfit, kLimbMisfit))) return false;
   const Misfit misfit = common.fit();
-  if (misfit.plane < kSignificance * tolerance.inflation) return false;
+  if (misfit.plane < kBendSignificance * tolerance.inflation) return false;
   if (angle < kWideFan && misfit.isSmooth(kFanRatio, kFanMisfit)) return true;
   return angle > kLimbAngle && strip.region.points < beside.region.points && misfit.isSmooth(kLimbRatio, kLimbMisfit);
 }

@@ -5,6 +5,8 @@
 
 namespace ppc {
 
+constexpr double kBendSignificance = 25.0;  ///< of an excess: far beyond chi-square with 3 degrees of freedom
+
 /// @brief How a region bends: the quadratic surface z = c0 + c1 s + c2 t + c3 s^2 + c4 s t + c5 t^2 over its own plane.
 struct Bend {
   double turn = 0.0;       ///< angle between the normals at its two ends, along the direction of strongest curvature [rad]

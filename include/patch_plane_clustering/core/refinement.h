@@ -23,9 +23,8 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
 /// @brief Lets labels that meet compete once more for the points near their borders, as in refineLabels().
 ///
 /// For planes that are known better than when the borders were drawn. Points that no plane explains keep their label.
-/// @return the cells whose labels may have changed.
-std::vector<int> contestLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
-                               const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
-                               const CoplanarityTolerance& tolerance, LabelImage& labels, int threads = 1);
+void contestLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
+                   const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
+                   const CoplanarityTolerance& tolerance, LabelImage& labels, int threads = 1);
 
 }  // namespace ppc

@@ -7,8 +7,6 @@
 
 namespace ppc {
 
-constexpr double kSignificance = 25.0;  ///< of a bend: far beyond chi-square with 3 degrees of freedom
-
 /// @brief A region, and how it bends.
 struct BentRegion {
   const RegionSamples& region;
