@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/region_statistics.h"
 
+#include "naive_beam_fit.h"
 #include "polygon_test_tools.h"
 #include "run_checks.h"
 
 #include <gtest/gtest.h>
-#include <Eigen/Cholesky>
-#include <random>
 
 namespace ppc {
 namespace {
@@ -55,39 +54,130 @@ TEST(RegionStatistics, InvalidPixelsAndTinyRegionsDoNotCount) {
   EXPECT_TRUE(describeRegions(grid, {10, 10, std::vector<std::int32_t>(100, 0)}).empty());
 }
 
+struct Scan {
+  const char* what;
+  BeamGrid grid;
+  Plane truth;
+  double sigma;         // of the noise [m]
+  double reach = 40.0;  // [m]
+
+  LabelImage measure() {
+    return scanFaces({{truth, [this](const Eigen::Vector3d& p) { return p.norm() < reach; }}}, grid);
+  }
+};
+
+// Seen from near and far, edge-on, as a strip that is narrower than the noise, and all around the pole of the scan.
+std::vector<Scan> difficultScans() {
+  const auto tilted = [](double slant, double d) {
+    return Plane{Eigen::Vector3d(-std::cos(slant), std::sin(slant), 0.1).normalized(), d};
+  };
+  const auto nodding = [](int rows, int cols, double tilt, double bearing, double lever) {
+    return toBeamGrid(
+        noddingScan(rows, cols, -tilt * kDegree, tilt * kDegree, bearing * kDegree, {lever, 0.0, 0.4 * lever}));
+  };
+  return {{"near", nodding(20, 30, 10, 15, 0.05), tilted(0.0, -2.0), 0.01},
+          {"slanted", nodding(20, 30, 10, 15, 0.05), tilted(0.8, -2.0), 0.01},
+          {"edge-on", nodding(60, 80, 8, 8, 0.0), tilted(1.4, -0.3), 0.01},
+          {"far", nodding(60, 80, 2, 3, 0.05), tilted(0.5, -28.0), 0.03},
+          {"small", nodding(6, 8, 2, 2, 0.05), tilted(0.3, -2.0), 0.01},
+          {"strip", nodding(6, 200, 0.8, 15, 0.05), tilted(0.2, -1.0), 0.03},
+          {"large", nodding(150, 400, 40, 60, 0.05), tilted(0.1, -3.0), 0.01},
+          {"pole", nodding(90, 180, 85, 90, 0.02), {Eigen::Vector3d::UnitZ(), -0.8}, 0.01, 4.0}};
+}
+
 // Normalised error squared of the plane's parameters over many noisy scans: chi-square with 3 degrees of freedom, if the
-// covariance is right. Band: three standard deviations of the mean.
+// covariance is right. Band: three standard deviations of the mean, and what few points take from the normal distribution.
 TEST(RegionStatistics, CovarianceHoldsUnderMonteCarlo) {
-  constexpr int kRuns = 400;
-  for (const double slant : {0.0, 0.8}) {
-    BeamGrid clean = toBeamGrid(noddingScan(20, 30, -10 * kDegree, 10 * kDegree, 15 * kDegree, {0.05, 0.0, 0.02}));
-    const Plane truth{Eigen::Vector3d(-std::cos(slant), std::sin(slant), 0.1).normalized(), -2.0};
-    const auto labels = scanFaces({{truth, kAnywhere}}, clean);
-    const Eigen::Vector3d t1 = truth.normal.unitOrthogonal(), t2 = truth.normal.cross(t1);
-    std::mt19937 random(11);
-    std::normal_distribution<float> noise(0.0F, 0.01F);
-    double sum = 0.0;
-    Eigen::Vector3d bias = Eigen::Vector3d::Zero();
-    for (int run = 0; run < kRuns; ++run) {
-      BeamGrid grid = clean;
-      for (float& range : grid.range) range += noise(random);
+  for (Scan& scan : difficultScans()) {
+    const auto labels = scan.measure();
+    const int points = countOf(labels, 1), runs = points < 1000 ? 400 : points < 10000 ? 100 : 60;
+    Normal normal(11);
+    double sum = 0.0, bias = 0.0;
+    for (int run = 0; run < runs; ++run) {
+      BeamGrid grid = scan.grid;
+      for (float& range : grid.range) range += static_cast<float>(scan.sigma * normal());
       const auto regions = describeRegions(grid, labels);
-      ASSERT_EQ(regions.size(), 1U);
+      ASSERT_EQ(regions.size(), 1U) << scan.what;
       const PlanarRegion& region = regions[0];
-      const Eigen::Vector3d dn = region.plane.normal - truth.normal;
-      const Eigen::Vector3d error(t1.dot(dn), t2.dot(dn), region.plane.d - truth.d);
-      Eigen::Matrix<double, 3, 4> to_error = Eigen::Matrix<double, 3, 4>::Zero();
-      to_error.block<1, 3>(0, 0) = t1.transpose();
-      to_error.block<1, 3>(1, 0) = t2.transpose();
-      to_error(2, 3) = 1.0;
-      const Eigen::Matrix3d covariance = to_error * region.covariance * to_error.transpose();
-      sum += error.dot(covariance.ldlt().solve(error));
-      bias += error / kRuns;
+      sum += normalisedErrorSquared(region, scan.truth);
+      bias += (region.plane.d - scan.truth.d) / runs;
       ASSERT_LT((region.covariance - region.covariance.transpose()).norm(), 1e-12);
-      EXPECT_LT(std::abs(truth.normal.dot(region.covariance.topLeftCorner<3, 3>() * truth.normal)), 1e-7);  // |n| = 1
+      const Eigen::Vector3d along = region.covariance.topLeftCorner<3, 3>() * region.plane.normal;
+      ASSERT_LT(along.norm(), 1e-12 + 1e-9 * region.covariance.norm()) << scan.what;  // |n| = 1
     }
-    EXPECT_NEAR(sum / kRuns, 3.0, 3.0 * std::sqrt(6.0 / kRuns)) << "slant " << slant;
-    EXPECT_LT(std::abs(bias.z()), 0.001);
+    EXPECT_NEAR(sum / runs, 3.0, 3.0 * std::sqrt(6.0 / runs) + 20.0 / points) << scan.what << ' ' << points;
+    EXPECT_LT(std::abs(bias), 0.2 * scan.sigma) << scan.what;
+  }
+}
+
+// The converged fit, without points beyond 2.5 standard deviations, lies within the error of either.
+TEST(RegionStatistics, OnePassReachesTheConvergedPlane) {
+  for (Scan& scan : difficultScans()) {
+    const auto labels = scan.measure();
+    addNoise(scan.grid, scan.sigma);
+    const auto regions = describeRegions(scan.grid, labels);
+    ASSERT_EQ(regions.size(), 1U) << scan.what;
+    const std::vector<int> pixels = pixelsOf(scan.grid, labels, 1);
+    const Plane squares = naiveBeamFit(scan.grid, pixels, scan.truth);
+    const double limit = pixels.size() < 64 ? 1e9 : naiveLimit(scan.grid, pixels, squares);
+    const Plane trimmed = naiveBeamFit(scan.grid, pixels, squares, limit);
+    EXPECT_LT(normalisedErrorSquared(regions[0], trimmed), 0.6) << scan.what;
+    double across = 0.0;
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (const int i : pixels) {
+      across += std::pow(regions[0].plane.signedDistance(scan.grid.point(i).cast<double>()), 2.0);
+      mean += scan.grid.point(i).cast<double>();
+    }
+    EXPECT_NEAR(regions[0].rms, std::sqrt(across / pixels.size()), 5e-3 * regions[0].rms) << scan.what;
+    EXPECT_LT((regions[0].centroid - mean / pixels.size()).norm(), 1e-5) << scan.what;
+    EXPECT_EQ(regions[0].points, static_cast<int>(pixels.size()));
+  }
+}
+
+// Points of a step beside a wall that have got its label: they would turn the plane as far as they can.
+TEST(RegionStatistics, WrongPointsBesideAStepHardlyTurnThePlane) {
+  BeamGrid grid = toBeamGrid(noddingScan(40, 60, -10 * kDegree, 10 * kDegree, 15 * kDegree));
+  const Plane wall{-Eigen::Vector3d::UnitX(), -2.0}, step{-Eigen::Vector3d::UnitX(), -1.95};
+  const auto beside = [](const Eigen::Vector3d& p) { return p.y() > 0.9 * 2.0 * std::tan(15 * kDegree); };
+  auto labels = scanFaces({{wall, kAnywhere}, {step, beside}}, grid);
+  const int wrong = countOf(labels, 2);
+  EXPECT_NEAR(wrong, 0.05 * grid.size(), 0.01 * grid.size());
+  std::fill(labels.labels.begin(), labels.labels.end(), 1);
+  addNoise(grid, 0.01);
+  const auto regions = describeRegions(grid, labels);
+  ASSERT_EQ(regions.size(), 1U);
+  const std::vector<int> pixels = pixelsOf(grid, labels, 1);
+  const Plane squares = naiveBeamFit(grid, pixels, wall);
+  EXPECT_GT(angleBetween(squares.normal, wall.normal), 0.5 * kDegree);
+  EXPECT_LT(angleBetween(regions[0].plane.normal, wall.normal), 0.15 * kDegree);
+  EXPECT_NEAR(regions[0].plane.d, wall.d, 0.001);
+  EXPECT_NEAR(regions[0].rms, std::sqrt(1e-4 + 0.05 * 0.05 * wrong / grid.size()), 5e-4);  // of all points
+}
+
+// All beams lie in the plane: the points tell it, if the beams do not.
+TEST(RegionStatistics, PlaneThroughTheSensorIsFitAcross) {
+  std::vector<float> x, y, z;
+  for (int i = 0; i < 400; ++i) {
+    x.push_back(1.0F + 0.1F * static_cast<float>(i % 20));
+    y.push_back(i % 2 == 0 ? 0.001F : -0.001F);
+    z.push_back(0.02F * static_cast<float>(i / 20) - 0.2F);
+  }
+  const auto regions = describeRegions(beamGridFromPoints(20, 20, x, y, z), {20, 20, std::vector<std::int32_t>(400, 1)});
+  ASSERT_EQ(regions.size(), 1U);
+  EXPECT_GT(std::abs(regions[0].plane.normal.y()), 0.9999);
+  EXPECT_NEAR(regions[0].rms, 0.001, 1e-5);
+}
+
+TEST(RegionStatistics, ThreadsChangeNothing) {
+  for (Scan& scan : difficultScans()) {
+    const auto labels = scan.measure();
+    addNoise(scan.grid, scan.sigma);
+    const auto one = describeRegions(scan.grid, labels, 1), four = describeRegions(scan.grid, labels, 4);
+    ASSERT_EQ(one.size(), four.size());
+    EXPECT_EQ(one[0].plane.normal, four[0].plane.normal);
+    EXPECT_EQ(one[0].plane.d, four[0].plane.d);
+    EXPECT_EQ(one[0].rms, four[0].rms);
+    EXPECT_EQ(one[0].covariance, four[0].covariance);
   }
 }
 

@@ -21,7 +21,7 @@ struct LabelImage {
 /// @brief One planar region of a label image.
 struct PlanarRegion {
   std::int32_t id = 0;                                   ///< its value in the label image, 1..N
-  Plane plane;                                           ///< least-squares plane of the region's points
+  Plane plane;                                           ///< of the region's points, see describeRegions()
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();    ///< mean of the points [m]
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();  ///< of (nx, ny, nz, d); rank 3, since |n| = 1
   int points = 0;                                        ///< number of pixels with this label

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "patch_plane_clustering/core/beam_fit.h"
+
+#include <vector>
+
+namespace ppc {
+
+/// @brief What the fit of a plane to all points of a region starts from.
+struct BeamStart {
+  bool along = false;                                ///< false: the beams do not tell the plane, as they see it edge-on
+  BeamFrame frame;                                   ///< the plane
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< of a beam of the region
+  double limit = 0.0;                                ///< errors along the beams above it do not count [m]; kNoLimit: all do
+};
+
+/// @brief Fits a plane to some hundred points of a region, or all if it has no more: to inverse ranges first, in which
+/// it is linear, however thin the region and however slanted; then along the beams; then without points farther off than
+/// 2.5 standard deviations, which are told from the median of the errors.
+/// @param blocks of the region, in the order of the pixels.
+BeamStart startOf(const BeamGrid& grid, const std::vector<PixelBlock>& blocks);
+
+}  // namespace ppc
