@@ -4,19 +4,43 @@
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
-#include <utility>
 
 namespace ppc {
 
-int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels, std::vector<LabelRun>* runs_out) {
+namespace {
+
+constexpr int kStretch = 4096;  // pixels whose labels are listed while they are at hand
+
+// Clears the labels of pixels without a measurement, and lists the runs of what is left. @return how many have one.
+int clearUnmeasured(const BeamGrid& grid, LabelImage& labels, std::vector<LabelRun>& runs) {
   const float* const ranges = grid.range.data();
   std::int32_t* const pixels = labels.labels.data();
-  for (int i = 0, n = grid.size(); i < n; ++i) {  // without branches, so that it becomes vector code
-    const std::int32_t label = pixels[i];
-    const bool kept = (ranges[i] > 0.0F) & (label > 0);
-    pixels[i] = kept ? label : 0;
+  int valid_points = 0;
+  for (int begin = 0, n = grid.size(); begin < n; begin += kStretch) {
+    const int end = std::min(begin + kStretch, n);
+    for (int i = begin; i < end; ++i) {  // without branches, so that it becomes vector code
+      const std::int32_t label = pixels[i];
+      const bool valid = ranges[i] > 0.0F, kept = valid & (label > 0);
+      valid_points += valid;
+      pixels[i] = kept ? label : 0;
+    }
+    for (int at = begin, run_end = 0; at < end; at = run_end) {
+      run_end = runEnd(pixels, at, end);
+      if (pixels[at] > 0) appendRun({pixels[at], at, run_end}, runs);
+    }
   }
-  std::vector<LabelRun> runs = labelRuns(labels);
+  return valid_points;
+}
+
+}  // namespace
+
+int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels, std::vector<LabelRun>* runs_out,
+                   int* valid_points) {
+  std::vector<LabelRun> own;
+  std::vector<LabelRun>& runs = runs_out != nullptr ? *runs_out : own;
+  runs.clear();
+  const int valid = clearUnmeasured(grid, labels, runs);
+  if (valid_points != nullptr) *valid_points = valid;
   const std::int32_t highest = highestLabel(runs);
   std::vector<int> count(static_cast<std::size_t>(highest) + 1, 0);
   std::vector<int> first(count.size(), grid.size());
@@ -35,11 +59,8 @@ int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels, std::
     if (count[label] >= std::max(1, min_size)) renamed[label] = ++n;
   }
   renameLabels(renamed, runs, labels);
-  if (runs_out != nullptr) {
-    for (LabelRun& run : runs) run.label = renamed[run.label];
-    runs.erase(std::remove_if(runs.begin(), runs.end(), [](const LabelRun& run) { return run.label == 0; }), runs.end());
-    *runs_out = std::move(runs);
-  }
+  for (LabelRun& run : runs) run.label = renamed[run.label];
+  runs.erase(std::remove_if(runs.begin(), runs.end(), [](const LabelRun& run) { return run.label == 0; }), runs.end());
   return n;
 }
 

@@ -208,12 +208,11 @@ Segmentation finishSegmentation(const BeamGrid& grid, LabelImage labels, const C
   result.stages = std::move(stages);
   StageTimer timer(&result.stages);
   std::vector<LabelRun>& runs = memory.runs;
-  renumberBySize(grid, smallestRegion(config, grid.size()), labels, &runs);
+  renumberBySize(grid, smallestRegion(config, grid.size()), labels, &runs, &result.valid_points);
   result.regions = describeRegions(grid, runs, config.threads);
   timer.lap("statistics");
   result.polygons = extractPolygons(grid, labels, runs, result.regions, config.polygons, memory.polygons, config.threads);
   timer.lap("polygons");
-  for (int i = 0; i < grid.size(); ++i) result.valid_points += grid.valid(i) ? 1 : 0;
   for (const PlanarRegion& region : result.regions) {
     bool found = false;
     for (const PlanarPolygon& polygon : result.polygons) found = found || polygon.id == region.id;

@@ -20,7 +20,9 @@ std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage
 std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const std::vector<LabelRun>& runs, int threads = 1);
 
 /// @brief Renumbers labels to 1..N in descending number of pixels (ties: first pixel first) and clears regions of fewer than
-/// `min_size` valid points. @param runs if given, set to those of the new labels, as labelRuns(). @return N.
-int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels, std::vector<LabelRun>* runs = nullptr);
+/// `min_size` valid points. @param runs if given, set to those of the new labels, as labelRuns(). @param valid_points if
+/// given, set to the number of pixels with a measurement. @return N.
+int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels, std::vector<LabelRun>* runs = nullptr,
+                   int* valid_points = nullptr);
 
 }  // namespace ppc
