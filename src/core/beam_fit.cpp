@@ -70,13 +70,15 @@ struct FrameArrays {
 template <BeamWeights kWeights, bool kOrigins>
 class BeamSummer {
  public:
-  BeamSummer(const BeamGrid& grid, const BeamFrame& frame, double limit)
+  BeamSummer(const BeamGrid& grid, const BeamFrame& frame, const ErrorScale& scale)
       : grid_(grid),
         dir_(grid.dir_x, grid.dir_y, grid.dir_z, frame),
         origin_(grid.origin_x, grid.origin_y, grid.origin_z, frame),
         normal_(frame.plane().normal, frame),
         centre_(frame.centre(), frame),
-        limit2_(fill(static_cast<float>(limit * limit))) {}
+        limit2_(fill(static_cast<float>(scale.limit * scale.limit))),
+        cosine_share_(fill(static_cast<float>(1.0 / (1.0 + scale.softness)))),
+        constant_share_(fill(static_cast<float>(scale.softness / (1.0 + scale.softness)))) {}
 
   void add(const PixelBlock& block, LaneSums& s) const {
     int i = block.begin;
@@ -134,17 +136,28 @@ class BeamSummer {
     const Lanes inverse = only(used, 1.0F / beams.cosine);
     const Lanes to_plane = -beams.height * inverse;
     const Lanes h = only(valid, beams.height + beams.range * beams.cosine);
-    Lanes w = inverse * inverse, moved = h;
+    const Lanes cosine2 = beams.cosine * beams.cosine;
+    Lanes w = 1.0F / (cosine_share_ * cosine2 + constant_share_), moved = h;
     LaneMask kept = used;
     if constexpr (kWeights == BeamWeights::kInverse) {
-      w = only(used, beams.cosine * beams.cosine);
+      w = only(used, cosine2);
       moved = only(used, h * to_plane / beams.range);
     } else {
-      const Lanes limit2 = kWeights == BeamWeights::kNear ? kNearShare * kNearShare * beams.range * beams.range : limit2_;
-      kept &= h * h * w <= limit2;
+      if constexpr (kWeights == BeamWeights::kNear) {
+        kept &= h * h * inverse * inverse <= kNearShare * kNearShare * beams.range * beams.range;
+      } else {
+        kept &= h * h * w <= limit2_;
+      }
       w = reinterpret_cast<Lanes>(reinterpret_cast<LaneMask>(w) & kept);  // less than choosing by the mask
     }
-    const Lanes qa = beams.oa + to_plane * beams.ua, qb = beams.ob + to_plane * beams.ub;
+    const Lanes pa = only(valid, beams.oa + beams.range * beams.ua), pb = only(valid, beams.ob + beams.range * beams.ub);
+    Lanes qa = beams.oa + to_plane * beams.ua, qb = beams.ob + to_plane * beams.ub;
+    if constexpr (kWeights != BeamWeights::kInverse) {
+      const Lanes along = cosine2 * w * cosine_share_;
+      const Lanes fa = pa - h * normal_.a, fb = pb - h * normal_.b;
+      qa = fa + along * (qa - fa);
+      qb = fb + along * (qb - fb);
+    }
     const Lanes wa = w * qa, wb = w * qb, wh = w * moved;
     s.w += w;
     s.wa += wa;
@@ -158,21 +171,21 @@ class BeamSummer {
     s.whh += wh * moved;
     s.h += h;
     s.hh += h * h;
-    s.a += only(valid, beams.oa + beams.range * beams.ua);
-    s.b += only(valid, beams.ob + beams.range * beams.ub);
+    s.a += pa;
+    s.b += pb;
     s.kept += kept;
   }
 
   const BeamGrid& grid_;
   FrameArrays dir_, origin_;
   FrameVector normal_, centre_;
-  Lanes limit2_;
+  Lanes limit2_, cosine_share_, constant_share_;
 };
 
 template <BeamWeights kWeights, bool kOrigins>
 BeamSums sumBlocks(const BeamGrid& grid, const PixelBlock* begin, const PixelBlock* end, const BeamFrame& frame,
-                   double limit) {
-  const BeamSummer<kWeights, kOrigins> summer(grid, frame, limit);
+                   const ErrorScale& scale) {
+  const BeamSummer<kWeights, kOrigins> summer(grid, frame, scale);
   BeamSums sums;
   for (const PixelBlock* block = begin; block != end;) {
     LaneSums lanes;
@@ -187,9 +200,9 @@ BeamSums sumBlocks(const BeamGrid& grid, const PixelBlock* begin, const PixelBlo
 
 template <BeamWeights kWeights>
 BeamSums sumBlocks(const BeamGrid& grid, const PixelBlock* begin, const PixelBlock* end, const BeamFrame& frame,
-                   double limit) {
-  return grid.origin_x.empty() ? sumBlocks<kWeights, false>(grid, begin, end, frame, limit)
-                               : sumBlocks<kWeights, true>(grid, begin, end, frame, limit);
+                   const ErrorScale& scale) {
+  return grid.origin_x.empty() ? sumBlocks<kWeights, false>(grid, begin, end, frame, scale)
+                               : sumBlocks<kWeights, true>(grid, begin, end, frame, scale);
 }
 
 }  // namespace
@@ -236,16 +249,16 @@ Eigen::Vector3d BeamFrame::meanOf(const BeamSums& sums) const {
 }
 
 BeamSums sumBeams(const BeamGrid& grid, const PixelBlock* begin, const PixelBlock* end, const BeamFrame& frame,
-                  BeamWeights weights, double limit) {
+                  BeamWeights weights, const ErrorScale& scale) {
   switch (weights) {
     case BeamWeights::kInverse:
-      return sumBlocks<BeamWeights::kInverse>(grid, begin, end, frame, limit);
+      return sumBlocks<BeamWeights::kInverse>(grid, begin, end, frame, scale);
     case BeamWeights::kNear:
-      return sumBlocks<BeamWeights::kNear>(grid, begin, end, frame, limit);
+      return sumBlocks<BeamWeights::kNear>(grid, begin, end, frame, scale);
     case BeamWeights::kTrimmed:
       break;
   }
-  return sumBlocks<BeamWeights::kTrimmed>(grid, begin, end, frame, limit);
+  return sumBlocks<BeamWeights::kTrimmed>(grid, begin, end, frame, scale);
 }
 
 double newtonScale(const BeamSums& sums, double limit) {

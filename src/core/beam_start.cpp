@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <optional>
 
 namespace ppc {
 namespace {
@@ -15,6 +17,10 @@ constexpr int kMaxSteps = 8;
 constexpr int kMaxTrimmedSteps = 4;             // if the sample is the region; one, if there are points to come
 constexpr double kSettled = 0.2;                // gain of a step, in variances of the errors
 constexpr int kFewest = 64;                     // points, for errors to have a distribution
+constexpr std::size_t kFewestDifferences = 12;  // of neighbours, for noise to have one
+// Errors across the beams, of their angles, lever arm and spot [m]: as large as the noise, within these limits.
+constexpr double kLeastAcross = 0.00075, kAcross = 0.0025;
+constexpr double kMaxSoftness = 100.0;          // which is total least squares
 constexpr double kTrim = 2.5;                   // standard deviations
 constexpr double kSigmaOfMedian = 1.482602219;  // of absolute errors
 constexpr double kRounding = 1e-5;              // of the range, in single precision
@@ -49,77 +55,130 @@ int firstValid(const BeamGrid& grid, const std::vector<PixelBlock>& blocks) {
   return -1;
 }
 
-// Half of the points are nearer to the plane, along the beams [m].
-double medianError(const BeamGrid& grid, const std::vector<PixelBlock>& blocks, const Plane& plane) {
+// The value that half of them do not reach. They are put into another order.
+double medianOf(std::vector<float>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return static_cast<double>(*middle);
+}
+
+// One standard deviation of the errors, as sumBeams() weighs them, told from their median [m].
+double errorOf(const BeamGrid& grid, const std::vector<PixelBlock>& blocks, const Plane& plane, double softness) {
   const Lanes nx = fill(static_cast<float>(plane.normal.x())), ny = fill(static_cast<float>(plane.normal.y())),
-              nz = fill(static_cast<float>(plane.normal.z())), d = fill(static_cast<float>(plane.d));
-  std::vector<float> errors;
-  errors.reserve(kSample);
+              nz = fill(static_cast<float>(plane.normal.z())), d = fill(static_cast<float>(plane.d)),
+              soft = fill(static_cast<float>(softness)), whole = fill(static_cast<float>(1.0 + softness));
+  std::vector<float> squares;
+  squares.reserve(kSample);
   for (const PixelBlock& block : blocks) {
     for (int i = block.begin; i < block.end; i += kLanes) {
       const BeamLanes beam(grid, i, block.end - i);
       const Lanes cosine = nx * beam.dir_x + ny * beam.dir_y + nz * beam.dir_z;
-      const Lanes height = nx * beam.origin_x + ny * beam.origin_y + nz * beam.origin_z - d;
-      const Lanes error = beam.range + height / cosine;
+      const Lanes h = nx * beam.origin_x + ny * beam.origin_y + nz * beam.origin_z - d + beam.range * cosine;
+      const Lanes square = whole * h * h / (cosine * cosine + soft);
       for (int k = 0; k < kLanes; ++k) {
-        if (beam.valid[k] != 0) errors.push_back(std::abs(error[k]));
+        if (beam.valid[k] != 0) squares.push_back(square[k]);
       }
     }
   }
-  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  return *middle;
+  return kSigmaOfMedian * std::sqrt(medianOf(squares));
 }
 
-}  // namespace
+// One standard deviation of the noise of the ranges, told from the second differences of neighbours in a row [m].
+std::optional<double> noiseOf(const BeamGrid& grid, const std::vector<PixelBlock>& blocks) {
+  std::vector<float> differences;
+  differences.reserve(kSample);
+  for (const PixelBlock& block : blocks) {
+    for (int i = block.begin + 1; i + 1 < block.end; ++i) {
+      if (!grid.valid(i - 1) || !grid.valid(i) || !grid.valid(i + 1)) continue;
+      differences.push_back(std::abs(grid.range[i - 1] - 2.0F * grid.range[i] + grid.range[i + 1]));
+    }
+  }
+  if (differences.size() < kFewestDifferences) return std::nullopt;
+  return kSigmaOfMedian * medianOf(differences) / std::sqrt(6.0);
+}
 
-BeamStart startOf(const BeamGrid& grid, const std::vector<PixelBlock>& blocks) {
-  BeamStart start;
-  const std::vector<PixelBlock> sample = sampleOf(blocks);
-  const int first = firstValid(grid, sample);
-  if (first < 0) return start;
-  PointSums points;
-  const Eigen::Vector3d about = grid.point(first).cast<double>();
-  start.origin = grid.origin(first).cast<double>();
-  for (const PixelBlock& block : sample) addPoints(grid, block.begin, block.end, about, points);
-  if (points.n < 3) return start;
-  const PlanarRegion across = fitAcross(0, about, points);
-  const Eigen::Vector3d towards(-points.ux, -points.uy, -points.uz);
-  const double distance = (across.centroid - start.origin).norm();
+// Fits the sample of a region.
+class Starter {
+ public:
+  Starter(const BeamGrid& grid, const std::vector<PixelBlock>& blocks)
+      : grid_(grid), sample_(sampleOf(blocks)), is_region_(sample_.size() == blocks.size()) {}
 
-  const auto sum = [&](BeamWeights weights) {
-    return sumBeams(grid, sample.data(), sample.data() + sample.size(), start.frame, weights, start.limit);
-  };
-  const auto moveTo = [&](const Plane& plane) {
-    if (!plane.normal.allFinite() || !std::isfinite(plane.d) || !(plane.normal.dot(towards) > 0.0)) return false;
-    start.frame = BeamFrame(plane, across.centroid);
+  BeamStart find() {
+    const int first = firstValid(grid_, sample_);
+    if (first < 0) return start_;
+    PointSums points;
+    const Eigen::Vector3d about = grid_.point(first).cast<double>();
+    start_.origin = grid_.origin(first).cast<double>();
+    for (const PixelBlock& block : sample_) addPoints(grid_, block.begin, block.end, about, points);
+    if (points.n < 3) return start_;
+    const PlanarRegion across = fitAcross(0, about, points);
+    centroid_ = across.centroid;
+    towards_ = Eigen::Vector3d(-points.ux, -points.uy, -points.uz).normalized();
+    const double distance = (centroid_ - start_.origin).norm();
+
+    if (!moveTo({towards_, towards_.dot(centroid_)})) return start_;
+    const std::optional<BeamStep> step = stepOf(sum(BeamWeights::kInverse));
+    if (!step || !moveTo(movedBy(*step, start_.frame, start_.origin))) return start_;
+    if (!settle(BeamWeights::kNear, kMaxSteps)) return start_;
+    if (rms_ > kEdgeOn * across.rms && rms_ > kExact * distance) return start_;
+    start_.scale.limit = kNoLimit;
+    start_.along = points.n < kFewest || soften();
+    if (start_.along && points.n >= kFewest) trim(kRounding * distance);
+    return start_;
+  }
+
+ private:
+  BeamSums sum(BeamWeights weights) const {
+    return sumBeams(grid_, sample_.data(), sample_.data() + sample_.size(), start_.frame, weights, start_.scale);
+  }
+
+  double error() const { return errorOf(grid_, sample_, start_.frame.plane(), start_.scale.softness); }
+
+  bool moveTo(const Plane& plane) {
+    if (!plane.normal.allFinite() || !std::isfinite(plane.d) || !(plane.normal.dot(towards_) > 0.0)) return false;
+    start_.frame = BeamFrame(plane, centroid_);
     return true;
-  };
-  double rms = 0.0;  // across the plane before the last step
-  const auto settle = [&](BeamWeights weights, int steps) {
+  }
+
+  bool settle(BeamWeights weights, int steps) {
     for (int k = 0; k < steps; ++k) {
       const BeamSums sums = sum(weights);
       const std::optional<BeamStep> step =
-          stepOf(sums, weights == BeamWeights::kTrimmed ? newtonScale(sums, start.limit) : 1.0);
-      if (!step || sums.kept < std::max(4, sums.valid / 2) || !moveTo(movedBy(*step, start.frame, start.origin)))
-        return false;
-      rms = std::sqrt(sums.hh / sums.valid);
+          stepOf(sums, weights == BeamWeights::kTrimmed ? newtonScale(sums, start_.scale.limit) : 1.0);
+      if (!step || sums.kept < std::max(4, sums.valid / 2)) return false;
+      if (!moveTo(movedBy(*step, start_.frame, start_.origin))) return false;
+      rms_ = std::sqrt(sums.hh / sums.valid);
       if (step->gain * sums.kept <= kSettled * sums.whh) break;
     }
     return true;
-  };
-  const Eigen::Vector3d facing = towards.normalized();
-  if (!moveTo({facing, facing.dot(across.centroid)})) return start;
-  const std::optional<BeamStep> step = stepOf(sum(BeamWeights::kInverse));
-  if (!step || !moveTo(movedBy(*step, start.frame, start.origin))) return start;
-  if (!settle(BeamWeights::kNear, kMaxSteps)) return start;
-  if (rms > kEdgeOn * across.rms && rms > kExact * distance) return start;
-  start.along = true;
-  start.limit = kNoLimit;
-  if (points.n < kFewest) return start;
-  const BeamStart untrimmed = start;
-  start.limit = kTrim * kSigmaOfMedian * medianError(grid, sample, start.frame.plane()) + kRounding * distance;
-  return settle(BeamWeights::kTrimmed, sample.size() == blocks.size() ? kMaxTrimmedSteps : 1) ? start : untrimmed;
-}
+  }
+
+  // Errors across the beams, beside the noise along them. What neighbours share does not show in their differences, and
+  // what is across the beams shows in the errors as well: noise is between the two.
+  bool soften() {
+    const double error_along = error();
+    const double noise = std::sqrt(error_along * noiseOf(grid_, sample_).value_or(error_along));
+    const double across = std::clamp(noise, kLeastAcross, kAcross);
+    start_.scale.softness = std::min(kMaxSoftness, across * across / (noise * noise));
+    return settle(BeamWeights::kNear, kMaxSteps);
+  }
+
+  void trim(double rounding) {
+    const BeamStart before = start_;
+    start_.scale.limit = kTrim * error() + rounding;
+    if (!settle(BeamWeights::kTrimmed, is_region_ ? kMaxTrimmedSteps : 1)) start_ = before;
+  }
+
+  const BeamGrid& grid_;
+  std::vector<PixelBlock> sample_;
+  bool is_region_;  // all of it
+  BeamStart start_;
+  Eigen::Vector3d centroid_, towards_;
+  double rms_ = 0.0;  // across the plane before the last step
+};
+
+}  // namespace
+
+BeamStart startOf(const BeamGrid& grid, const std::vector<PixelBlock>& blocks) { return Starter(grid, blocks).find(); }
 
 }  // namespace ppc

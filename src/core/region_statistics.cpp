@@ -16,7 +16,8 @@ namespace {
 constexpr int kBlock = 256;  // pixels
 constexpr int kChunkBlocks = 32;
 constexpr int kMaxPasses = 3;
-constexpr double kFarStep = 0.04;  // gain of a step, as a share of the squares: what is linear near the start no longer is
+// Of a step: what is linear near the start no longer is. Gain as a share of the squares, and change of the incidence.
+constexpr double kFarStep = 0.02, kFarTurn = 0.05;
 
 using Blocks = std::vector<PixelBlock>;
 
@@ -125,20 +126,22 @@ class RegionFitter {
   std::vector<BeamSums> sumAlong(Stage stage) const {
     return sumChunks<BeamSums>(stage, [&](const Chunk& chunk) {
       const BeamStart& start = starts_[chunk.id];
-      return sumBeams(grid_, chunk.begin, chunk.end, start.frame, BeamWeights::kTrimmed, start.limit);
+      return sumBeams(grid_, chunk.begin, chunk.end, start.frame, BeamWeights::kTrimmed, start.scale);
     });
   }
 
   void step(std::size_t id, const BeamSums& sums, bool last) {
     BeamStart& start = starts_[id];
-    const double scale = newtonScale(sums, start.limit);
+    const double scale = newtonScale(sums, start.scale.limit);
     const std::optional<BeamStep> step = stepOf(sums, scale);
     if (!step || sums.used < std::max(4, sums.valid / 2)) {
       stages_[id] = Stage::kAcross;
       return;
     }
     const Plane plane = movedBy(*step, start.frame, start.origin);
-    if (step->gain > kFarStep * sums.whh && !last) {
+    const Eigen::Vector3d beam = start.frame.meanOf(sums) - start.origin;
+    const double incidence = plane.normal.dot(beam) / start.frame.plane().normal.dot(beam);
+    if ((step->gain > kFarStep * sums.whh || std::abs(incidence - 1.0) > kFarTurn) && !last) {
       start.frame = BeamFrame(plane, start.frame.centre());
       return;
     }
@@ -147,8 +150,6 @@ class RegionFitter {
     region.centroid = start.frame.meanOf(sums);
     region.points = sums.valid;
     // The step brings all points nearer, at the kept ones' mean incidence, and changes that.
-    const Eigen::Vector3d beam = region.centroid - start.origin;
-    const double incidence = plane.normal.dot(beam) / start.frame.plane().normal.dot(beam);
     region.rms = std::abs(incidence) * std::sqrt(std::max(0.0, sums.hh - step->gain * sums.kept / sums.w) / sums.valid);
     const double variance = std::max(0.0, sums.whh - step->gain) / std::max(1, sums.kept - 3);
     region.covariance = planeCovariance(*step, start.frame, plane, scale * scale * variance);

@@ -26,21 +26,34 @@ inline double errorAlong(const BeamGrid& grid, int i, const Plane& plane) {
   return grid.range[i] - plane.rangeAlong(grid.origin(i).cast<double>(), grid.direction(i).cast<double>());
 }
 
-/// @brief The plane that minimises the sum of squares of the errors of ranges of these pixels, without those above `limit`.
+/// How one point counts in the fit: weight, distance from the plane, and where the point most likely was on the plane.
+struct NaiveTerm {
+  double w, h;
+  Eigen::Vector3d foot;
+};
+
+inline NaiveTerm naiveTerm(const BeamGrid& grid, int i, const Plane& plane, double softness) {
+  const Eigen::Vector3d u = grid.direction(i).cast<double>(), o = grid.origin(i).cast<double>();
+  const Eigen::Vector3d p = o + grid.range[i] * u, met = o + plane.rangeAlong(o, u) * u;
+  const double cosine2 = std::pow(plane.normal.dot(u), 2.0), h = plane.signedDistance(p);
+  const double along = cosine2 / (cosine2 + softness);
+  return {(1.0 + softness) / (cosine2 + softness), h, along * met + (1.0 - along) * (p - h * plane.normal)};
+}
+
+/// @brief The plane that minimises the sum of w h^2 of these pixels, without those whose root is above `limit`.
 /// @param plane near it.
-inline Plane naiveBeamFit(const BeamGrid& grid, const std::vector<int>& pixels, Plane plane, double limit = 1e9) {
+inline Plane naiveBeamFit(const BeamGrid& grid, const std::vector<int>& pixels, Plane plane, double limit = 1e9,
+                          double softness = 0.0) {
   for (int k = 0; k < 50; ++k) {
     const Eigen::Vector3d t1 = plane.normal.unitOrthogonal(), t2 = plane.normal.cross(t1);
     Eigen::Matrix3d equations = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     for (const int i : pixels) {
-      const double error = errorAlong(grid, i, plane);
-      if (std::abs(error) > limit) continue;
-      const Eigen::Vector3d u = grid.direction(i).cast<double>(), o = grid.origin(i).cast<double>();
-      const Eigen::Vector3d q = o + plane.rangeAlong(o, u) * u;
-      const Eigen::Vector3d row = Eigen::Vector3d(-t1.dot(q), -t2.dot(q), 1.0) / plane.normal.dot(u);
-      equations += row * row.transpose();
-      right += error * row;
+      const NaiveTerm term = naiveTerm(grid, i, plane, softness);
+      if (term.w * term.h * term.h > limit * limit) continue;
+      const Eigen::Vector3d row(-t1.dot(term.foot), -t2.dot(term.foot), 1.0);
+      equations += term.w * row * row.transpose();
+      right += term.w * term.h * row;
     }
     const Eigen::Vector3d step = equations.ldlt().solve(right);
     const Eigen::Vector3d normal = plane.normal + step[0] * t1 + step[1] * t2;

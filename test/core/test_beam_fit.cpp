@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/beam_fit.h"
 
+#include "patch_plane_clustering/core/across_fit.h"
+
 #include "analytic_scenes.h"
 #include "naive_beam_fit.h"
 
 #include <gtest/gtest.h>
+#include <utility>
 
 namespace ppc {
 namespace {
@@ -24,22 +27,22 @@ BeamGrid noisyWall(const Plane& plane, const Eigen::Vector3d& lever_arm) {
 // Of some blocks, the last of which ends where the grid does.
 TEST(BeamFit, SumsAreThoseOfEachPoint) {
   const Plane plane{Eigen::Vector3d(-1.0, 0.4, -0.2).normalized(), -2.0};
-  for (const double lever : {0.0, 0.1}) {
+  for (const auto& [lever, softness] : {std::pair{0.0, 0.0}, {0.1, 0.0}, {0.1, 0.3}}) {
     const BeamGrid grid = noisyWall(plane, {lever, 0.0, 0.5 * lever});
     const std::vector<PixelBlock> blocks{{3, 60}, {90, 91}, {91, 200}, {grid.size() - 7, grid.size()}};
     const double limit = 0.03;
     const BeamFrame frame({plane.normal, plane.d + 0.005}, {1.9, 0.1, 0.2});
-    const BeamSums sums = sumBeams(grid, blocks.data(), blocks.data() + blocks.size(), frame, BeamWeights::kTrimmed, limit);
+    const BeamSums sums =
+        sumBeams(grid, blocks.data(), blocks.data() + blocks.size(), frame, BeamWeights::kTrimmed, {limit, softness});
     BeamSums naive;
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    const Plane& from = frame.plane();
     for (const PixelBlock& block : blocks) {
       for (int i = block.begin; i < block.end; ++i) {
         if (!grid.valid(i)) continue;
-        const Eigen::Vector3d u = grid.direction(i).cast<double>(), o = grid.origin(i).cast<double>();
-        const Eigen::Vector3d p = o + grid.range[i] * u, q = o + from.rangeAlong(o, u) * u - frame.centre();
-        const double h = from.signedDistance(p), w = 1.0 / std::pow(from.normal.dot(u), 2.0);
-        mean += p;
+        const NaiveTerm term = naiveTerm(grid, i, frame.plane(), softness);
+        const double w = term.w, h = term.h;
+        const Eigen::Vector3d q = term.foot - frame.centre();
+        mean += grid.point(i).cast<double>();
         ++naive.valid;
         naive.hh += h * h;
         if (w * h * h > limit * limit) continue;
@@ -70,7 +73,7 @@ TEST(BeamFit, BeamsAlongThePlaneAreNotUsed) {
   std::fill(grid.range.begin(), grid.range.end(), 2.0F);
   const PixelBlock all{0, grid.size()};
   const BeamFrame along({Eigen::Vector3d::UnitY(), 0.0}, {2.0, 0.0, 0.0});
-  const BeamSums sums = sumBeams(grid, &all, &all + 1, along, BeamWeights::kTrimmed, 1e9);
+  const BeamSums sums = sumBeams(grid, &all, &all + 1, along, BeamWeights::kTrimmed, {1e9});
   EXPECT_EQ(sums.valid, 10);
   EXPECT_EQ(sums.used, 4);  // those to the right, which meet it from the front
   EXPECT_FALSE(stepOf(BeamSums()));
@@ -91,7 +94,7 @@ TEST(BeamFit, InverseRangesLeadToThePlaneInOneStep) {
   EXPECT_NEAR(found.d, plane.d, 1e-4);
 }
 
-TEST(BeamFit, ReachesTheConvergedPlaneOfErrorsAlongBeams) {
+TEST(BeamFit, ReachesTheConvergedPlane) {
   const Plane plane{Eigen::Vector3d(-1.0, 0.8, 0.1).normalized(), -2.0};
   const BeamGrid grid = noisyWall(plane, {0.05, 0.0, 0.02});
   std::vector<PixelBlock> blocks;
@@ -100,15 +103,37 @@ TEST(BeamFit, ReachesTheConvergedPlaneOfErrorsAlongBeams) {
   for (int i = 0; i < grid.size(); ++i) {
     if (grid.valid(i)) pixels.push_back(i);
   }
-  Plane at = plane;
-  for (int k = 0; k < 3; ++k) {
-    const BeamFrame frame(at, {2.0, 0.0, 0.0});
-    const BeamSums sums = sumBeams(grid, blocks.data(), blocks.data() + blocks.size(), frame, BeamWeights::kTrimmed, 1e9);
-    at = movedBy(*stepOf(sums), frame, Eigen::Vector3d::Zero());
+  for (const double softness : {0.0, 0.3}) {
+    Plane at = plane;
+    for (int k = 0; k < 6; ++k) {
+      const BeamFrame frame(at, {2.0, 0.0, 0.0});
+      const BeamSums sums =
+          sumBeams(grid, blocks.data(), blocks.data() + blocks.size(), frame, BeamWeights::kTrimmed, {1e9, softness});
+      at = movedBy(*stepOf(sums), frame, Eigen::Vector3d::Zero());
+    }
+    const Plane naive = naiveBeamFit(grid, pixels, plane, 1e9, softness);
+    EXPECT_LT((at.normal - naive.normal).norm(), 2e-6) << softness;
+    EXPECT_NEAR(at.d, naive.d, 2e-6) << softness;
   }
-  const Plane naive = naiveBeamFit(grid, pixels, plane);
-  EXPECT_LT((at.normal - naive.normal).norm(), 2e-6);
-  EXPECT_NEAR(at.d, naive.d, 2e-6);
+}
+
+// With errors across the beams alone it is the plane of total least squares.
+TEST(BeamFit, IsTotalLeastSquaresWithoutErrorsAlongBeams) {
+  const Plane plane{Eigen::Vector3d(-1.0, 0.8, 0.1).normalized(), -2.0};
+  const BeamGrid grid = noisyWall(plane, {0.05, 0.0, 0.02});
+  const PixelBlock all{0, grid.size()};
+  PointSums points;
+  const Eigen::Vector3d about(2.0, 0.0, 0.0);
+  addPoints(grid, 0, grid.size(), about, points);
+  const Plane across = fitAcross(1, about, points).plane;
+  Plane at = plane;
+  for (int k = 0; k < 10; ++k) {
+    const BeamFrame frame(at, about);
+    at = movedBy(*stepOf(sumBeams(grid, &all, &all + 1, frame, BeamWeights::kTrimmed, {1e9, 1e6})), frame,
+                 Eigen::Vector3d::Zero());
+  }
+  EXPECT_LT((at.normal - across.normal).norm(), 1e-5);
+  EXPECT_NEAR(at.d, across.d, 1e-5);
 }
 
 }  // namespace

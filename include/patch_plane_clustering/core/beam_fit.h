@@ -23,8 +23,16 @@ enum class BeamWeights {
   kTrimmed   ///< errors of ranges, of points whose error is below a limit
 };
 
+/// @brief How errors along the beams count, but for kInverse: as 1 / (sigma^2 + tau^2 / cos^2), with the noise of the ranges
+/// and a tolerance across the surface, that of 1 at normal incidence.
+struct ErrorScale {
+  double limit = 0.0;     ///< of errors so weighed [m], for kTrimmed
+  double softness = 0.0;  ///< tau^2 / sigma^2
+};
+
 /// @brief Sums over points of what a step of the fit of a plane along the beams needs, and of what describes the points.
-/// Coordinates a and b are those of BeamFrame, about its centre; w = 1 / cos^2 of incidence, h the distance from the plane.
+/// Coordinates a and b are those of BeamFrame, about its centre; w = (1 + s) / (cos^2 + s)
+/// with the angle of incidence and ErrorScale::softness s, h the distance from the plane.
 struct BeamSums {
   double w = 0, wa = 0, wb = 0, waa = 0, wab = 0, wbb = 0;  ///< where beams meet the plane, of points that are kept
   double wh = 0, wha = 0, whb = 0, whh = 0;                 ///< whh: squares of the errors along the beams
@@ -60,9 +68,8 @@ class BeamFrame {
 };
 
 /// @brief Sums the valid points of some blocks. Four at a time in single precision; add up doubles of some hundred points.
-/// @param limit of errors along the beams [m], for BeamWeights::kTrimmed.
 BeamSums sumBeams(const BeamGrid& grid, const PixelBlock* begin, const PixelBlock* end, const BeamFrame& frame,
-                  BeamWeights weights, double limit = 0.0);
+                  BeamWeights weights, const ErrorScale& scale = {});
 
 /// @brief A Gauss-Newton step: in the frame's coordinates, the plane moves by x[0] a + x[1] b + x[2] along the normal.
 struct BeamStep {

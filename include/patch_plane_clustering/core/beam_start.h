@@ -12,12 +12,14 @@ struct BeamStart {
   bool along = false;                                ///< false: the beams do not tell the plane, as they see it edge-on
   BeamFrame frame;                                   ///< the plane
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< of a beam of the region
-  double limit = 0.0;                                ///< errors along the beams above it do not count [m]; kNoLimit: all do
+  ErrorScale scale;                                  ///< of the errors; limit: those above it do not count; kNoLimit: all do
 };
 
 /// @brief Fits a plane to some hundred points of a region, or all if it has no more: to inverse ranges first, in which
-/// it is linear, however thin the region and however slanted; then along the beams; then without points farther off than
-/// 2.5 standard deviations, which are told from the median of the errors.
+/// it is linear, however thin the region and however slanted; then along the beams; then for errors that go across the
+/// beams as well, 2.5 mm, beside the noise along them that the region shows; then without points farther off than 2.5
+/// standard deviations, which are told from the median of the errors. Real scans need those across: a thin region seen at a
+/// grazing angle would turn towards the sensor, as regression does whose regressors have errors.
 /// @param blocks of the region, in the order of the pixels.
 BeamStart startOf(const BeamGrid& grid, const std::vector<PixelBlock>& blocks);
 
