@@ -133,31 +133,31 @@ class BeamSummer {
   template <bool kAll>
   void addUsed(const Beams& beams, LaneMask valid, LaneMask used, LaneSums& s) const {
     const auto only = [](LaneMask mask, Lanes lanes) { return kAll ? lanes : mask ? lanes : Lanes{}; };
-    const Lanes inverse = only(used, 1.0F / beams.cosine);
-    const Lanes to_plane = -beams.height * inverse;
     const Lanes h = only(valid, beams.height + beams.range * beams.cosine);
-    const Lanes cosine2 = beams.cosine * beams.cosine;
-    Lanes w = 1.0F / (cosine_share_ * cosine2 + constant_share_), moved = h;
-    LaneMask kept = used;
-    if constexpr (kWeights == BeamWeights::kInverse) {
-      w = only(used, cosine2);
-      moved = only(used, h * to_plane / beams.range);
-    } else {
-      if constexpr (kWeights == BeamWeights::kNear) {
-        kept &= h * h * inverse * inverse <= kNearShare * kNearShare * beams.range * beams.range;
-      } else {
-        kept &= h * h * w <= limit2_;
-      }
-      w = reinterpret_cast<Lanes>(reinterpret_cast<LaneMask>(w) & kept);  // less than choosing by the mask
-    }
     const Lanes pa = only(valid, beams.oa + beams.range * beams.ua), pb = only(valid, beams.ob + beams.range * beams.ub);
-    Lanes qa = beams.oa + to_plane * beams.ua, qb = beams.ob + to_plane * beams.ub;
-    if constexpr (kWeights != BeamWeights::kInverse) {
-      const Lanes along = cosine2 * w * cosine_share_;
-      const Lanes fa = pa - h * normal_.a, fb = pb - h * normal_.b;
-      qa = fa + along * (qa - fa);
-      qb = fb + along * (qb - fb);
+    const Lanes cosine2 = beams.cosine * beams.cosine;
+    Lanes w, moved = h, back;  // back: how far along the beam the point's place on the plane is, in h
+    LaneMask kept = used;
+    Lanes qa = pa, qb = pb;
+    if constexpr (kWeights == BeamWeights::kInverse) {
+      back = only(used, 1.0F / beams.cosine);
+      w = only(used, cosine2);
+      moved = only(used, h * (beams.range - h * back) / beams.range);
+    } else {
+      const Lanes weight = only(used, 1.0F / (cosine_share_ * cosine2 + constant_share_));
+      back = cosine_share_ * beams.cosine * weight;
+      if constexpr (kWeights == BeamWeights::kNear) {
+        kept &= h * h <= kNearShare * kNearShare * beams.range * beams.range * cosine2;
+      } else {
+        kept &= h * h * weight <= limit2_;
+      }
+      w = reinterpret_cast<Lanes>(reinterpret_cast<LaneMask>(weight) & kept);  // less than choosing by the mask
+      const Lanes across = h - h * back * beams.cosine;
+      qa -= across * normal_.a;
+      qb -= across * normal_.b;
     }
+    qa -= h * back * beams.ua;
+    qb -= h * back * beams.ub;
     const Lanes wa = w * qa, wb = w * qb, wh = w * moved;
     s.w += w;
     s.wa += wa;

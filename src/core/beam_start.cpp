@@ -17,6 +17,7 @@ constexpr int kMaxSteps = 8;
 constexpr int kMaxTrimmedSteps = 4;             // if the sample is the region; one, if there are points to come
 constexpr double kSettled = 0.2;                // gain of a step, in variances of the errors
 constexpr int kFewest = 64;                     // points, for errors to have a distribution
+constexpr int kDifferenceStep = 3;              // pixels: they share no neighbours then
 constexpr std::size_t kFewestDifferences = 12;  // of neighbours, for noise to have one
 // Errors across the beams, of their angles, lever arm and spot [m]: as large as the noise, within these limits.
 constexpr double kLeastAcross = 0.00075, kAcross = 0.0025;
@@ -62,7 +63,7 @@ double medianOf(std::vector<float>& values) {
   return static_cast<double>(*middle);
 }
 
-// One standard deviation of the errors, as sumBeams() weighs them, told from their median [m].
+// One standard deviation of the errors, as sumBeams() weighs them, told from the median of every other four [m].
 double errorOf(const BeamGrid& grid, const std::vector<PixelBlock>& blocks, const Plane& plane, double softness) {
   const Lanes nx = fill(static_cast<float>(plane.normal.x())), ny = fill(static_cast<float>(plane.normal.y())),
               nz = fill(static_cast<float>(plane.normal.z())), d = fill(static_cast<float>(plane.d)),
@@ -70,7 +71,7 @@ double errorOf(const BeamGrid& grid, const std::vector<PixelBlock>& blocks, cons
   std::vector<float> squares;
   squares.reserve(kSample);
   for (const PixelBlock& block : blocks) {
-    for (int i = block.begin; i < block.end; i += kLanes) {
+    for (int i = block.begin; i < block.end; i += 2 * kLanes) {
       const BeamLanes beam(grid, i, block.end - i);
       const Lanes cosine = nx * beam.dir_x + ny * beam.dir_y + nz * beam.dir_z;
       const Lanes h = nx * beam.origin_x + ny * beam.origin_y + nz * beam.origin_z - d + beam.range * cosine;
@@ -88,7 +89,7 @@ std::optional<double> noiseOf(const BeamGrid& grid, const std::vector<PixelBlock
   std::vector<float> differences;
   differences.reserve(kSample);
   for (const PixelBlock& block : blocks) {
-    for (int i = block.begin + 1; i + 1 < block.end; ++i) {
+    for (int i = block.begin + 1; i + 1 < block.end; i += kDifferenceStep) {
       if (!grid.valid(i - 1) || !grid.valid(i) || !grid.valid(i + 1)) continue;
       differences.push_back(std::abs(grid.range[i - 1] - 2.0F * grid.range[i] + grid.range[i + 1]));
     }
@@ -104,6 +105,10 @@ class Starter {
       : grid_(grid), sample_(sampleOf(blocks)), is_region_(sample_.size() == blocks.size()) {}
 
   BeamStart find() {
+    for (const PixelBlock& block : sample_) {  // runs are far apart: all are fetched at a time
+      prefetchBeams(grid_, block.begin);
+      prefetchBeams(grid_, block.end - 1);
+    }
     const int first = firstValid(grid_, sample_);
     if (first < 0) return start_;
     PointSums points;
@@ -156,7 +161,8 @@ class Starter {
   // Errors across the beams, beside the noise along them. What neighbours share does not show in their differences, and
   // what is across the beams shows in the errors as well: noise is between the two.
   bool soften() {
-    const double error_along = error();
+    const BeamSums sums = sum(BeamWeights::kNear);
+    const double error_along = std::sqrt(sums.whh / std::max(1, sums.kept));
     const double noise = std::sqrt(error_along * noiseOf(grid_, sample_).value_or(error_along));
     const double across = std::clamp(noise, kLeastAcross, kAcross);
     start_.scale.softness = std::min(kMaxSoftness, across * across / (noise * noise));
