@@ -93,7 +93,7 @@ void sortVariances(const PatchGrid& patches, NoiseMemory& memory, int threads) {
 
 }  // namespace
 
-NoiseModel::NoiseModel(const std::vector<double>& sigma_of_bin) : table_(kCells) {
+NoiseModel::NoiseModel(const std::vector<double>& sigma_of_bin) {
   const auto binAt = [](int cell) { return binOf((cell + 0.5) / kCellsPerMetre); };
   for (int begin = 0, end = 0; begin < kCells; begin = end) {
     const int bin = binAt(begin);
@@ -110,7 +110,7 @@ NoiseModel::NoiseModel(const std::vector<double>& sigma_of_bin) : table_(kCells)
   }
 }
 
-NoiseModel::NoiseModel(const SensorModel& sensor, double scale) : table_(kCells) {
+NoiseModel::NoiseModel(const SensorModel& sensor, double scale) {
   for (int i = 0; i < kCells; ++i) table_[i] = std::max(kMinSigma, scale * sensor.sigma((i + 0.5) / kCellsPerMetre));
 }
 

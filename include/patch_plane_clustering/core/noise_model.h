@@ -5,6 +5,7 @@
 #include "patch_plane_clustering/core/sensor_model.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -49,7 +50,7 @@ class NoiseModel {
  private:
   explicit NoiseModel(const std::vector<double>& sigma_of_bin);
 
-  std::vector<double> table_;  // looked up once or more a point: no logarithm there
+  std::array<double, kCells> table_{};  // looked up once or more a point: no logarithm there
 };
 
 }  // namespace ppc
