@@ -18,8 +18,8 @@ __attribute__((noinline)) void countedFloor(const ppc::RangeImage& image, const 
   ppc::bench::fitPatches(sums, planes);
 }
 
-__attribute__((noinline)) void countedGrid(const ppc::RangeImage& image, ppc::BeamGrid& grid) {
-  ppc::toBeamGrid(image, grid);
+__attribute__((noinline)) void countedGrid(const ppc::RangeImage& image, ppc::BeamColumns& columns, ppc::BeamGrid& grid) {
+  ppc::toBeamGrid(image, columns, grid);
 }
 
 __attribute__((noinline)) void countedSegmentation(const ppc::BeamGrid& grid, ppc::Segmentation& segmentation) {
@@ -33,8 +33,9 @@ int main(int argc, char** argv) {
   ppc::bench::FloorSums sums;
   ppc::bench::FloorPlanes planes;
   countedFloor(image, geometry, sums, planes);
+  ppc::BeamColumns columns;
   ppc::BeamGrid grid;
-  countedGrid(image, grid);
+  countedGrid(image, columns, grid);
   ppc::Segmentation segmentation;
   countedSegmentation(grid, segmentation);
   std::printf("%d x %d, %zu patches of the floor, %zu regions, %zu polygons\n", image.rows, image.cols, planes.d.size(),

@@ -53,11 +53,12 @@ void addConversion(const std::string& name, const Make& make) {
 
 void addMessages() {
   add("range image in, polygons out", [](const Segmented& s, std::vector<StageTime>& stages) {
-    static RangeImage image;  // the nodelet keeps all three, too
+    static RangeImage image;  // the nodelet keeps all of these, too
+    static BeamColumns columns;
     static BeamGrid grid;
     static ClusteringMemory memory;
     fromMessage(s.message, image);
-    toBeamGrid(image, grid);
+    toBeamGrid(image, columns, grid);
     const Segmentation segmentation = segment(grid, Config(), memory);
     const PlanarPolygonArray polygons = toPolygonArray(segmentation, s.message.header);
     benchmark::DoNotOptimize(polygons.polygons.data());
@@ -65,9 +66,10 @@ void addMessages() {
   });
   add("range image to grid", [](const Segmented& s, std::vector<StageTime>&) {
     static RangeImage image;
+    static BeamColumns columns;
     static BeamGrid grid;
     fromMessage(s.message, image);
-    toBeamGrid(image, grid);
+    toBeamGrid(image, columns, grid);
   });
   addConversion("point cloud to grid", [](const Segmented& s) { return gridFromCloud(s.cloud); });
   addConversion("polygons", [](const Segmented& s) { return toPolygonArray(s.segmentation, s.message.header); });

@@ -15,6 +15,7 @@ namespace {
 
 // What the nodelet keeps from one image to the next.
 struct Memory {
+  BeamColumns columns;
   BeamGrid grid;
   ClusteringMemory clustering;
 };
@@ -36,7 +37,7 @@ void keepStages(Segmentation segmentation, std::vector<StageTime>& stages) {
 Frame labelsFrame(int points) {
   const RangeImage& image = officeImage(points);
   return [&image, memory = std::make_shared<Memory>()](std::vector<StageTime>& stages) {
-    const BeamGrid& grid = timedGrid([&] { toBeamGrid(image, memory->grid); }, *memory, stages);
+    const BeamGrid& grid = timedGrid([&] { toBeamGrid(image, memory->columns, memory->grid); }, *memory, stages);
     LabelImage labels = clusterPatches(grid, Config(), memory->clustering, &stages);
     benchmark::DoNotOptimize(labels.labels.data());
   };
@@ -45,7 +46,7 @@ Frame labelsFrame(int points) {
 Frame polygonsFrame(int points) {
   const RangeImage& image = officeImage(points);
   return [&image, memory = std::make_shared<Memory>()](std::vector<StageTime>& stages) {
-    const BeamGrid& grid = timedGrid([&] { toBeamGrid(image, memory->grid); }, *memory, stages);
+    const BeamGrid& grid = timedGrid([&] { toBeamGrid(image, memory->columns, memory->grid); }, *memory, stages);
     keepStages(segment(grid, Config(), memory->clustering), stages);
   };
 }

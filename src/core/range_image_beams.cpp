@@ -16,32 +16,26 @@ namespace {
 // Between opposite directions there is none: the square of their mean's length is smaller than this.
 constexpr float kNoDirection2 = 1e-4F;
 
-// What the beams of all rows share, column by column; more entries than columns, for the last lanes.
-struct Columns {
-  std::vector<float> cosine, sine;
-  std::vector<float> along;  // 0..1 between the two knots on either side
-  std::vector<int> begin;    // first column of each stretch between knots, and one past the last column
-
-  explicit Columns(const RangeImage& image) {
-    const auto size = static_cast<std::size_t>(image.cols) + kLanes - 1;
-    cosine.assign(size, 1.0F);
-    sine.assign(size, 0.0F);
-    along.assign(size, 0.0F);
-    const int stretches = std::max(1, image.poses_per_row - 1);
-    for (int c = 0; c < image.cols; ++c) {
-      const auto i = static_cast<std::size_t>(c);
-      cosine[i] = static_cast<float>(std::cos(image.bearing(c)));
-      sine[i] = static_cast<float>(std::sin(image.bearing(c)));
-      const double at = image.poses_per_row == 1 || image.cols == 1
-                            ? 0.0
-                            : static_cast<double>(c) * (image.poses_per_row - 1) / (image.cols - 1);
-      const int stretch = std::min(static_cast<int>(at), stretches - 1);
-      along[i] = static_cast<float>(at - stretch);
-      begin.resize(static_cast<std::size_t>(stretch) + 1, c);
-    }
-    begin.resize(static_cast<std::size_t>(stretches) + 1, image.cols);
+void fillIn(const RangeImage& image, BeamColumns& columns) {
+  const auto size = static_cast<std::size_t>(image.cols) + kLanes - 1;
+  columns.cosine.assign(size, 1.0F);
+  columns.sine.assign(size, 0.0F);
+  columns.along.assign(size, 0.0F);
+  columns.begin.clear();
+  const int stretches = std::max(1, image.poses_per_row - 1);
+  for (int c = 0; c < image.cols; ++c) {
+    const auto i = static_cast<std::size_t>(c);
+    columns.cosine[i] = static_cast<float>(std::cos(image.bearing(c)));
+    columns.sine[i] = static_cast<float>(std::sin(image.bearing(c)));
+    const double at = image.poses_per_row == 1 || image.cols == 1
+                          ? 0.0
+                          : static_cast<double>(c) * (image.poses_per_row - 1) / (image.cols - 1);
+    const int stretch = std::min(static_cast<int>(at), stretches - 1);
+    columns.along[i] = static_cast<float>(at - stretch);
+    columns.begin.resize(static_cast<std::size_t>(stretch) + 1, c);
   }
-};
+  columns.begin.resize(static_cast<std::size_t>(stretches) + 1, image.cols);
+}
 
 // A vector that changes linearly along a stretch.
 struct Change {
@@ -81,16 +75,18 @@ void fillColumns(int begin, int end, const std::array<float*, 3>& out, const Val
   for (std::size_t k = 0; k < 3; ++k) std::memcpy(out[k] + c, &v[k], sizeof(float) * static_cast<std::size_t>(end - c));
 }
 
-void fillDirections(const Columns& columns, int begin, int end, const Change& x_axis, const Change& y_axis,
+void fillDirections(const BeamColumns& columns, int begin, int end, const Change& x_axis, const Change& y_axis,
                     const std::array<float*, 3>& out) {
+  const float *const cosines = columns.cosine.data(), *const sines = columns.sine.data();
+  const float* const alongs = columns.along.data();  // not read again after what is written
   fillColumns(begin, end, out, [&](std::size_t c) {
-    const Lanes cosine = loadLanes<Lanes>(&columns.cosine[c]), sine = loadLanes<Lanes>(&columns.sine[c]);
+    const Lanes cosine = loadLanes<Lanes>(cosines + c), sine = loadLanes<Lanes>(sines + c);
     const auto beam = [&](Lanes along) {
       return std::array<Lanes, 3>{x_axis.at(0, along) * cosine + y_axis.at(0, along) * sine,
                                   x_axis.at(1, along) * cosine + y_axis.at(1, along) * sine,
                                   x_axis.at(2, along) * cosine + y_axis.at(2, along) * sine};
     };
-    Lanes along = loadLanes<Lanes>(&columns.along[c]);
+    Lanes along = loadLanes<Lanes>(alongs + c);
     std::array<Lanes, 3> u = beam(along);
     Lanes squared = squaredLength(u);
     const LaneMask opposite = ~(squared > fill(kNoDirection2));  // the knots: take the first one's
@@ -104,9 +100,10 @@ void fillDirections(const Columns& columns, int begin, int end, const Change& x_
   });
 }
 
-void fillOrigins(const Columns& columns, int begin, int end, const Change& origin, const std::array<float*, 3>& out) {
+void fillOrigins(const BeamColumns& columns, int begin, int end, const Change& origin, const std::array<float*, 3>& out) {
+  const float* const alongs = columns.along.data();
   fillColumns(begin, end, out, [&](std::size_t c) {
-    const Lanes along = loadLanes<Lanes>(&columns.along[c]);
+    const Lanes along = loadLanes<Lanes>(alongs + c);
     return std::array<Lanes, 3>{origin.at(0, along), origin.at(1, along), origin.at(2, along)};
   });
 }
@@ -130,7 +127,7 @@ void fillRanges(const RangeImage& image, std::vector<float>& out) {
 
 }  // namespace
 
-void toBeamGrid(const RangeImage& image, BeamGrid& grid) {
+void toBeamGrid(const RangeImage& image, BeamColumns& columns, BeamGrid& grid) {
   checkConsistent(image);
   const bool same_origin = std::all_of(image.line_poses.begin(), image.line_poses.end(),
                                        [](const Eigen::Isometry3d& pose) { return pose.translation().isZero(1e-9); });
@@ -142,7 +139,7 @@ void toBeamGrid(const RangeImage& image, BeamGrid& grid) {
   for (auto* v : {&grid.origin_x, &grid.origin_y, &grid.origin_z}) v->resize(same_origin ? 0 : n);
   fillRanges(image, grid.range);
 
-  const Columns columns(image);
+  fillIn(image, columns);
   const auto knots = static_cast<std::size_t>(image.poses_per_row);
   for (int r = 0; r < image.rows; ++r) {
     const Eigen::Isometry3d* poses = &image.line_poses[static_cast<std::size_t>(r) * knots];
@@ -161,8 +158,9 @@ void toBeamGrid(const RangeImage& image, BeamGrid& grid) {
 }
 
 BeamGrid toBeamGrid(const RangeImage& image) {
+  BeamColumns columns;
   BeamGrid grid;
-  toBeamGrid(image, grid);
+  toBeamGrid(image, columns, grid);
   return grid;
 }
 

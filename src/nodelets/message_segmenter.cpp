@@ -44,7 +44,7 @@ void MessageSegmenter::start(const Arrival& arrival, const Config& config) {
 void MessageSegmenter::readGrid(const Arrival& arrival) {
   if (arrival.image) {
     fromMessage(*arrival.image, image_);
-    toBeamGrid(image_, grid_);
+    toBeamGrid(image_, columns_, grid_);
   } else {
     grid_ = gridFromCloud(*arrival.cloud);
   }

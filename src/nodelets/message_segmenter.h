@@ -46,6 +46,7 @@ class MessageSegmenter {
   std::string method_name_;
   std::unique_ptr<PlaneSegmenter> method_;
   RangeImage image_;
+  BeamColumns columns_;
   BeamGrid grid_;
   Segmentation segmentation_;
   RangeImageMsg::ConstPtr foreseen_;  // null: nothing is foreseen

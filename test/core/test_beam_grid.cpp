@@ -83,8 +83,9 @@ TEST(BeamGrid, MemoryOfAnotherImageMakesNoDifference) {
   first.ranges.assign(36, 2.0F);
   second.ranges.assign(21, 3.0F);
   BeamGrid grid;
-  toBeamGrid(first, grid);
-  toBeamGrid(second, grid);
+  BeamColumns columns;
+  toBeamGrid(first, columns, grid);
+  toBeamGrid(second, columns, grid);
   const BeamGrid fresh = toBeamGrid(second);
   EXPECT_EQ(grid.dir_x, fresh.dir_x);
   EXPECT_EQ(grid.dir_y, fresh.dir_y);

@@ -49,8 +49,16 @@ inline void prefetchBeams(const BeamGrid& grid, int i) {
 /// @brief Beams of a range image. @throws std::invalid_argument as checkConsistent().
 BeamGrid toBeamGrid(const RangeImage& image);
 
+/// @brief What the beams of all rows of a range image share, column by column; one more entry than columns, for vector code.
+struct BeamColumns {
+  std::vector<float> cosine, sine;  ///< of the bearing
+  std::vector<float> along;         ///< 0..1 between the two poses on either side
+  std::vector<int> begin;           ///< first column of each stretch between poses, and one past the last column
+};
+
 /// @brief The same into a grid that is there, whose memory is used again. It is left in part changed if this throws.
-void toBeamGrid(const RangeImage& image, BeamGrid& grid);
+/// @param columns overwritten; its memory is used again, too.
+void toBeamGrid(const RangeImage& image, BeamColumns& columns, BeamGrid& grid);
 
 /// @brief Beams of an organised cloud with the sensor at `viewpoint`.
 /// @param x,y,z rows x cols coordinates, row-major [m]; any non-finite coordinate makes the pixel invalid, and so does a
