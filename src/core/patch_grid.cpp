@@ -23,9 +23,9 @@ constexpr int kFetchAhead = 12;  // patches
 
 double angleBetween(const BeamGrid& grid, int a, int b) { return (grid.direction(a) - grid.direction(b)).norm(); }
 
-// Median angle between horizontal neighbours, over a sample of the image.
-double columnStep(const BeamGrid& grid) {
-  std::vector<double> steps;
+// Median angle between horizontal neighbours, over a sample of the image. @param steps scratch, overwritten.
+double columnStep(const BeamGrid& grid, std::vector<double>& steps) {
+  steps.clear();
   const int stride = std::max(1, grid.rows / 32);
   for (int r = 0; r < grid.rows; r += stride) {
     for (int c = 0; c + 1 < grid.cols; c += 7) {
@@ -36,7 +36,7 @@ double columnStep(const BeamGrid& grid) {
   return steps.empty() ? 0.0 : median(steps);
 }
 
-// Median angle between vertical neighbours in one column. @param steps scratch, overwritten.
+// Median angle between vertical neighbours in one column.
 double rowStep(const BeamGrid& grid, int col, std::vector<double>& steps) {
   steps.clear();
   const int stride = std::max(1, grid.rows / 32);
@@ -49,13 +49,11 @@ double rowStep(const BeamGrid& grid, int col, std::vector<double>& steps) {
 }
 
 // Steps between the rows at columns kStepCols apart, 0 where there is none to go by.
-std::vector<double> rowSteps(const BeamGrid& grid) {
-  std::vector<double> steps, scratch;
-  steps.reserve(static_cast<std::size_t>(grid.cols / kStepCols) + 2);
+void rowSteps(const BeamGrid& grid, std::vector<double>& scratch, std::vector<double>& steps) {
+  steps.clear();
   for (int c = 0; c < grid.cols + kStepCols - 1; c += kStepCols) {
     steps.push_back(rowStep(grid, std::min(c, grid.cols - 1), scratch));
   }
-  return steps;
 }
 
 double interpolate(const std::vector<double>& steps, int col) {
@@ -227,10 +225,13 @@ void sumOpen(const BeamGrid& grid, const LabelImage& done, int begin, int end, P
 
 }  // namespace
 
-AngularSteps measureSteps(const BeamGrid& grid) { return {columnStep(grid), rowSteps(grid)}; }
+void measureSteps(const BeamGrid& grid, PatchGridMemory& memory, AngularSteps& steps) {
+  steps.column = columnStep(grid, memory.angles);
+  rowSteps(grid, memory.angles, steps.rows);
+}
 
 void makePatchGrid(const BeamGrid& grid, int patch_size, const AngularSteps& steps, const LabelImage* done, int threads,
-                   PatchGrid& out) {
+                   PatchGridMemory& memory, PatchGrid& out) {
   out.rows = grid.rows;
   out.cols = grid.cols;
   out.strip_cols = patch_size;
@@ -244,12 +245,15 @@ void makePatchGrid(const BeamGrid& grid, int patch_size, const AngularSteps& ste
       sumOpen(grid, *done, begin, end, out);
     }
   });
-  linkPatches(threads, out);
+  linkPatches(threads, memory, out);
 }
 
 PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, const LabelImage* done, int threads) {
+  PatchGridMemory memory;
+  AngularSteps steps;
+  if (equal_angle) measureSteps(grid, memory, steps);
   PatchGrid out;
-  makePatchGrid(grid, patch_size, equal_angle ? measureSteps(grid) : AngularSteps(), done, threads, out);
+  makePatchGrid(grid, patch_size, steps, done, threads, memory, out);
   return out;
 }
 

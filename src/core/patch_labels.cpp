@@ -15,8 +15,11 @@ namespace {
 // Labels of the strips' patches at one row after the other.
 class RowOfPatches {
  public:
-  RowOfPatches(const PatchGrid& patches, const CellShares& shares, int row)
-      : patches_(patches), shares_(shares), next_(patches.strip_rows.size()), end_(next_.size()), labels_(next_.size()) {
+  RowOfPatches(const PatchGrid& patches, const CellShares& shares, int row, PatchRow& memory)
+      : patches_(patches), shares_(shares), next_(memory.next), end_(memory.end), labels_(memory.labels) {
+    next_.resize(patches.strip_rows.size());
+    end_.resize(next_.size());
+    labels_.resize(next_.size());
     for (std::size_t strip = 0; strip < next_.size(); ++strip) {
       const int height = patches.strip_rows[strip];
       next_[strip] = patches.strip_begin[strip] + row / height;
@@ -52,18 +55,19 @@ class RowOfPatches {
 
   const PatchGrid& patches_;
   const CellShares& shares_;
-  std::vector<int> next_, end_;  // block, and the row where the one before it ends
-  std::vector<std::int32_t> labels_;
+  std::vector<int>&next_, &end_;  // see PatchRow
+  std::vector<std::int32_t>& labels_;
 };
 
 }  // namespace
 
-void patchLabels(const BeamGrid& grid, const PatchGrid& patches, const CellShares& shares, LabelImage& out, int threads) {
+void patchLabels(const BeamGrid& grid, const PatchGrid& patches, const CellShares& shares, std::vector<PatchRow>& memory,
+                 LabelImage& out, int threads) {
   out.rows = grid.rows;
   out.cols = grid.cols;
   out.labels.resize(static_cast<std::size_t>(grid.size()));
-  forEachRange(threads, grid.rows, [&](int begin, int end) {
-    RowOfPatches patch_row(patches, shares, begin);
+  forEachRange(threads, grid.rows, memory, [&](int begin, int end, PatchRow& scratch) {
+    RowOfPatches patch_row(patches, shares, begin, scratch);
     for (int row = begin; row < end; ++row) {  // as the memory lies
       patch_row.moveTo(row);
       patch_row.paint(grid.range.data() + grid.index(row, 0), out.labels.data() + grid.index(row, 0));

@@ -50,11 +50,13 @@ int linkBands(int begin, int end, std::vector<int>& neighbours, PatchGrid& grid)
 
 }  // namespace
 
-void linkPatches(int threads, PatchGrid& grid) {
+void linkPatches(int threads, PatchGridMemory& memory, PatchGrid& grid) {
   const int bands = bandsOf(grid), parts = std::max(1, threads);
   grid.neighbour_begin.resize(grid.patches.size() + 1);
-  std::vector<std::vector<int>> rest(static_cast<std::size_t>(parts - 1));  // the first part's go where all will be
-  std::vector<int> sizes(static_cast<std::size_t>(parts));
+  std::vector<std::vector<int>>& rest = memory.links;  // the first part's go where all will be
+  if (rest.size() + 1 < static_cast<std::size_t>(parts)) rest.resize(static_cast<std::size_t>(parts - 1));
+  std::vector<int>& sizes = memory.link_counts;
+  sizes.resize(static_cast<std::size_t>(parts));
   forEachPart(threads, parts, [&](int part) {
     sizes[part] = linkBands(partBegin(bands, parts, part), partBegin(bands, parts, part + 1),
                             part == 0 ? grid.neighbours : rest[part - 1], grid);

@@ -54,7 +54,8 @@ bool estimateCorrelation(const Config& config, NoiseModel& noise, CoplanarityTol
 void addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
                      const Config& config, std::int32_t first, ClusteringMemory& memory, LabelImage& labels) {
   PatchGrid& patches = memory.small_patches;
-  makePatchGrid(grid, std::max(2, (config.patch_size + 2) / 2), memory.steps, &labels, config.threads, patches);
+  makePatchGrid(grid, std::max(2, (config.patch_size + 2) / 2), memory.steps, &labels, config.threads, memory.patch_grids,
+                patches);
   weighPatches(noise, patches, config.threads);
   gatePatches(noise, tolerance, patches, config.threads);
   const PatchClusters& clusters = memory.clusters;
@@ -94,9 +95,14 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
   if (!line_errors.empty()) removeLineErrors(line_errors, measured, memory.corrected);
   const BeamGrid& grid = line_errors.empty() ? measured : memory.corrected;
   PatchGrid& patches = memory.patches;
-  memory.steps = config.equal_angle ? measureSteps(grid) : AngularSteps();
-  makePatchGrid(grid, std::min(config.patch_size, std::max(grid.rows, grid.cols)), memory.steps, nullptr, config.threads,
-                patches);
+  AngularSteps& steps = memory.steps;
+  if (config.equal_angle) {
+    measureSteps(grid, memory.patch_grids, steps);
+  } else {
+    steps = AngularSteps();
+  }
+  makePatchGrid(grid, std::min(config.patch_size, std::max(grid.rows, grid.cols)), steps, nullptr, config.threads,
+                memory.patch_grids, patches);
   timer.lap("moments");
 
   NoiseModel noise = config.noise_scale > 0.0 ? NoiseModel(config.sensor, config.noise_scale)
@@ -122,7 +128,7 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
     planes = labelPlanes(shares);
   }
   LabelImage labels;
-  patchLabels(grid, patches, shares, labels, config.threads);
+  patchLabels(grid, patches, shares, memory.patch_rows, labels, config.threads);
   std::vector<char>& changed = memory.changed;
   const auto update = [&] {
     updateShares(grid, patches, noise, labels, changed, shares, memory.share_updates, config.threads);

@@ -55,8 +55,9 @@ void expectPlainLabels(bool level, double hole_share, int most) {
     AngularSteps angles;
     angles.column = level ? 0.0 : 0.01;
     for (int c = 0; !level && c < cols + 8; c += 8) angles.rows.push_back(0.01 / (1 + c / 8 % 4));
+    PatchGridMemory memory;
     PatchGrid cells;
-    makePatchGrid(grid, 4, angles, nullptr, 1, cells);
+    makePatchGrid(grid, 4, angles, nullptr, 1, memory, cells);
     const CellShares shares = randomShares(cells, most, random);
     const BlockLabels blocks(cells, shares);
     LabelsAround around(cells, shares, blocks);

@@ -20,7 +20,8 @@ TEST(PatchLabels, PaintTheValidPixelsOfClusteredPatches) {
   PatchClusters clusters;
   clusters.cluster_of = {0, -1, 1, 0};  // strip by strip
   shareClusters(clusters, shares);
-  patchLabels(grid, patches, shares, labels);
+  std::vector<PatchRow> memory;
+  patchLabels(grid, patches, shares, memory, labels);
   EXPECT_EQ(labels.labels[grid.index(0, 0)], 1);
   EXPECT_EQ(labels.labels[grid.index(0, 1)], 0);
   EXPECT_EQ(labels.labels[grid.index(7, 0)], 0);
@@ -37,9 +38,11 @@ TEST(PatchLabels, AreThoseOfEveryPixelsPatch) {
   AngularSteps steps;
   steps.column = 0.01;
   for (int c = 0; c < grid.cols + 8; c += 8) steps.rows.push_back(0.01 / (1 + c / 8 % 4));
+  PatchGridMemory grid_memory;
+  std::vector<PatchRow> memory;
   for (const int size : {3, 4, 6, 8}) {
     PatchGrid patches;
-    makePatchGrid(grid, size, steps, nullptr, 1, patches);
+    makePatchGrid(grid, size, steps, nullptr, 1, grid_memory, patches);
     PatchClusters clusters;
     std::vector<int>& cluster_of = clusters.cluster_of;
     for (int p = 0; p < static_cast<int>(patches.patches.size()); ++p) cluster_of.push_back(p % 5 == 2 ? -1 : p * 7 % 11);
@@ -47,7 +50,7 @@ TEST(PatchLabels, AreThoseOfEveryPixelsPatch) {
     shareClusters(clusters, shares);
     for (const int threads : {1, 3}) {
       LabelImage labels;
-      patchLabels(grid, patches, shares, labels, threads);
+      patchLabels(grid, patches, shares, memory, labels, threads);
       for (int r = 0; r < grid.rows; ++r) {
         for (int c = 0; c < grid.cols; ++c) {
           const int i = grid.index(r, c);

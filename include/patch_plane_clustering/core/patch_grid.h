@@ -62,7 +62,14 @@ struct AngularSteps {
   std::vector<double> rows;  ///< from row to row, at columns some pixels apart; 0 where there is none to go by
 };
 
-AngularSteps measureSteps(const BeamGrid& grid);
+/// @brief Working memory of measureSteps() and makePatchGrid(), which one image after the other may use.
+struct PatchGridMemory {
+  std::vector<double> angles;           ///< of one column, or all
+  std::vector<std::vector<int>> links;  ///< neighbours of each thread's patches but the first one's
+  std::vector<int> link_counts;         ///< of each thread's patches
+};
+
+void measureSteps(const BeamGrid& grid, PatchGridMemory& memory, AngularSteps& steps);
 
 /// @brief Cuts the grid into patches, sums their moments with unit noise, w = r^2, and fits their planes.
 /// @param equal_angle false: square k x k patches, as in the paper.
@@ -72,6 +79,6 @@ PatchGrid makePatchGrid(const BeamGrid& grid, int patch_size, bool equal_angle, 
 
 /// @brief The same with steps that are known, into patches that are there, whose memory is used again.
 void makePatchGrid(const BeamGrid& grid, int patch_size, const AngularSteps& steps, const LabelImage* done, int threads,
-                   PatchGrid& out);
+                   PatchGridMemory& memory, PatchGrid& out);
 
 }  // namespace ppc

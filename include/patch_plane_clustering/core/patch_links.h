@@ -6,6 +6,6 @@
 namespace ppc {
 
 /// @brief Lists the neighbours of all patches, which have been laid out and summed. The same whatever the threads.
-void linkPatches(int threads, PatchGrid& grid);
+void linkPatches(int threads, PatchGridMemory& memory, PatchGrid& grid);
 
 }  // namespace ppc

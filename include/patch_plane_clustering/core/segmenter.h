@@ -12,6 +12,7 @@
 #include "patch_plane_clustering/core/noise_correlation.h"
 #include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/patch_grid.h"
+#include "patch_plane_clustering/core/patch_labels.h"
 #include "patch_plane_clustering/core/polygon_memory.h"
 #include "patch_plane_clustering/core/region_merging.h"
 #include "patch_plane_clustering/core/segmentation.h"
@@ -33,11 +34,13 @@ struct ClusteringMemory {
   CorrelationMemory correlation;
   std::vector<double> excesses;
   AngularSteps steps;
+  PatchGridMemory patch_grids;
   PatchGrid patches, small_patches;
   PatchClusters clusters;
   GrowthMemory growth;
   CellShares shares;
   ShareMemory share_updates;
+  std::vector<PatchRow> patch_rows;
   std::vector<char> changed;
   LabelPieces pieces;
   CurvatureMemory curvature;
