@@ -137,11 +137,13 @@ void sumLabels(const PatchGrid& cells, const std::vector<char>& chosen, CellShar
   }
 }
 
-// Brings the sums of the labels up to date. @param before the shares before; their moments are among those of now.
-void updateSums(const PatchGrid& cells, const std::vector<char>& changed, const CellShares& before, CellShares& shares) {
+// Brings the sums of the labels up to date. @param memory with the shares before; their moments are among those of now.
+void updateSums(const PatchGrid& cells, const std::vector<char>& changed, ShareMemory& memory, CellShares& shares) {
   constexpr int kMostLost = 4;  // of a label less than one part in as many remains: rounding would weigh too much
   std::vector<Moments>& sums = shares.sums;
-  std::vector<int> points(sums.size());
+  const CellShares& before = memory.before;
+  std::vector<int>& points = memory.points;
+  points.resize(sums.size());
   for (std::size_t label = 0; label < sums.size(); ++label) points[label] = sums[label].n;
   for (int k = 0; k < static_cast<int>(changed.size()); ++k) {
     if (changed[k] == 0) continue;
@@ -156,7 +158,8 @@ void updateSums(const PatchGrid& cells, const std::vector<char>& changed, const 
       sums[label] += shares.momentsOf(cells, k, s);
     }
   }
-  std::vector<char> again(sums.size(), 0);
+  std::vector<char>& again = memory.again;
+  again.assign(sums.size(), 0);
   bool any = false;
   for (std::size_t label = 0; label < points.size(); ++label) {
     if (sums[label].n >= (points[label] + kMostLost - 1) / kMostLost) continue;
@@ -187,9 +190,11 @@ void renameShares(const std::vector<std::int32_t>& names, CellShares& shares) {
     }
     if (end > begin) shares.only[k] = out - first == 1 ? shares.labels[first] : -1;
   }
-  std::vector<Moments> sums(shares.sums.size());
-  for (std::size_t label = 0; label < sums.size(); ++label) sums[names[label]] += shares.sums[label];
-  std::swap(sums, shares.sums);
+  for (std::size_t label = 0; label < shares.sums.size(); ++label) {
+    if (names[label] == static_cast<std::int32_t>(label)) continue;
+    shares.sums[names[label]] += shares.sums[label];
+    shares.sums[label] = Moments();
+  }
   shares.begin.back() = out;
   shares.labels.resize(static_cast<std::size_t>(out));
   shares.parts.resize(static_cast<std::size_t>(out));
@@ -225,12 +230,13 @@ void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel
   const auto known = static_cast<int>(shares.moments.size());
   clearCells(shares);
   const int count = static_cast<int>(cells.patches.size()), parts = std::max(1, threads);
+  memory.parts.resize(static_cast<std::size_t>(parts));
   memory.rest.resize(static_cast<std::size_t>(parts - 1));
   forEachPart(threads, parts, [&](int part) {
     CellShares& mine = part == 0 ? shares : memory.rest[part - 1];  // the first part's go where all will be
     if (part > 0) clear(mine);
-    std::vector<std::int32_t> found;
-    std::vector<int> which;
+    std::vector<int>& which = memory.parts[part].cells;
+    which.clear();
     const int part_end = partBegin(count, parts, part + 1);
     int next = partBegin(count, parts, part);
     for (int k = next; k < part_end; ++k) {
@@ -246,7 +252,7 @@ void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel
       appendCells(before, next, k, mine);
       const std::size_t first = mine.labels.size();
       mine.begin.push_back(static_cast<int>(first));
-      shareCell(grid, cells.patches[k], cells.center, noise, labels, part == 0 ? 0 : known, found, mine);
+      shareCell(grid, cells.patches[k], cells.center, noise, labels, part == 0 ? 0 : known, memory.parts[part].found, mine);
       mine.only.push_back(onlyOf(mine, first));
       next = k + 1;
     }
@@ -262,14 +268,19 @@ void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel
     shares.moments.insert(shares.moments.end(), part.moments.begin(), part.moments.end());
     for (std::size_t s = first; s < shares.parts.size(); ++s) shares.parts[s] += shares.parts[s] >= known ? offset : 0;
   }
-  updateSums(cells, changed, before, shares);
+  updateSums(cells, changed, memory, shares);
 }
 
 std::vector<Eigen::Vector3d> labelPlanes(const CellShares& shares) {
   std::vector<Eigen::Vector3d> planes;
+  labelPlanes(shares, planes);
+  return planes;
+}
+
+void labelPlanes(const CellShares& shares, std::vector<Eigen::Vector3d>& planes) {
+  planes.clear();
   planes.reserve(shares.sums.size());
   for (const Moments& m : shares.sums) planes.push_back(fitPlane(m).a);
-  return planes;
 }
 
 }  // namespace ppc

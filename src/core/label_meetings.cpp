@@ -11,9 +11,8 @@ namespace ppc {
 namespace {
 
 // Where labels meet in and from cells [begin, end), cell by cell.
-std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellShares& all, int begin, int end) {
-  std::vector<Meeting> meetings;
-  meetings.reserve(static_cast<std::size_t>(end - begin));
+void findMeetings(const PatchGrid& cells, const CellShares& all, int begin, int end, std::vector<Meeting>& meetings) {
+  meetings.clear();
   for (int i = begin; i < end; ++i) {
     if (!isBorderCell(cells, all.only, i)) continue;
     for (int s = all.begin[i]; s < all.begin[i + 1]; ++s) {
@@ -29,7 +28,6 @@ std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellShares& all,
       });
     }
   }
-  return meetings;
 }
 
 void sortGroups(std::vector<MeetingGroup>& groups) {
@@ -39,25 +37,30 @@ void sortGroups(std::vector<MeetingGroup>& groups) {
 
 }  // namespace
 
-std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellShares& all, int threads) {
+void findMeetings(const PatchGrid& cells, const CellShares& all, LabelMeetings& meetings, int threads) {
   const int count = static_cast<int>(all.only.size()), parts = std::max(1, threads);
-  std::vector<std::vector<Meeting>> found(static_cast<std::size_t>(parts));
+  std::vector<std::vector<Meeting>>& rest = meetings.rest;  // the first part's go where all will be
+  if (rest.size() + 1 < static_cast<std::size_t>(parts)) rest.resize(static_cast<std::size_t>(parts - 1));
   forEachPart(threads, parts, [&](int part) {
-    found[part] = findMeetings(cells, all, partBegin(count, parts, part), partBegin(count, parts, part + 1));
+    findMeetings(cells, all, partBegin(count, parts, part), partBegin(count, parts, part + 1),
+                 part == 0 ? meetings.all : rest[part - 1]);
   });
-  for (int part = 1; part < parts; ++part) found[0].insert(found[0].end(), found[part].begin(), found[part].end());
-  return std::move(found[0]);
+  for (int part = 1; part < parts; ++part) {
+    meetings.all.insert(meetings.all.end(), rest[part - 1].begin(), rest[part - 1].end());
+  }
 }
 
-std::vector<MeetingGroup> groupMeetings(std::vector<Meeting>& meetings) {
-  std::vector<MeetingGroup> groups;  // first, those that were found one after the other: far fewer to sort
+void groupMeetings(LabelMeetings& found) {
+  std::vector<Meeting>&meetings = found.all, &sorted = found.sorted;
+  std::vector<MeetingGroup>& groups = found.groups;
+  groups.clear();  // first, those that were found one after the other: far fewer to sort
   const int count = static_cast<int>(meetings.size());
   for (int begin = 0, end = 0; begin < count; begin = end) {
     for (end = begin + 1; end < count && meetings[end].key == meetings[begin].key;) ++end;
     groups.push_back({meetings[begin].key, begin, end, false});
   }
   sortGroups(groups);
-  std::vector<Meeting> sorted;
+  sorted.clear();
   sorted.reserve(meetings.size());
   std::size_t kept = 0;
   for (const MeetingGroup& group : groups) {
@@ -72,7 +75,6 @@ std::vector<MeetingGroup> groupMeetings(std::vector<Meeting>& meetings) {
   }
   groups.resize(kept);
   std::swap(meetings, sorted);
-  return groups;
 }
 
 void renameGroups(const std::vector<std::int32_t>& now, std::vector<MeetingGroup>& groups) {

@@ -27,11 +27,7 @@ constexpr double kBowSignificance = 25.0;  // far beyond chi-square with 3 degre
 constexpr int kBorderSteps = 2;            // depth of a border in cells
 constexpr int kMinBorderPoints = 6;
 
-// A label as a whole.
-struct Whole {
-  Moments moments;
-  PlaneFit fit;
-};
+using Whole = MergeMemory::Whole;
 
 // One plane for both as wholes. Walls bow: regions that are hardly turned against each other may differ by more.
 double wholeSimilarity(const Whole& a, const Whole& b, const PlaneFit& joint, const NoiseModel& noise,
@@ -97,9 +93,15 @@ bool isLevel(const Step& step, double range, const NoiseModel& noise, const Copl
 // Sums both sides of a border: what the two labels have in cells within kBorderSteps of those where they meet.
 class BorderSums {
  public:
-  BorderSums(const PatchGrid& cells, const CellShares& all, const std::vector<Meeting>& meetings,
-             const std::vector<std::int32_t>& names)
-      : cells_(cells), all_(all), meetings_(meetings), names_(names), reached_(cells.patches.size(), -1) {}
+  BorderSums(const PatchGrid& cells, const CellShares& all, MergeMemory& memory)
+      : cells_(cells),
+        all_(all),
+        meetings_(memory.meetings.all),
+        names_(memory.names),
+        reached_(memory.reached),
+        wave_(memory.wave) {
+    reached_.assign(cells.patches.size(), -1);
+  }
 
   // Of all meetings of two labels.
   std::pair<Moments, Moments> measure(const LabelPair& pair, const MeetingGroup* begin, const MeetingGroup* end) {
@@ -170,26 +172,29 @@ class BorderSums {
   const CellShares& all_;
   const std::vector<Meeting>& meetings_;
   const std::vector<std::int32_t>& names_;
-  std::vector<int> reached_;  // the last border that took the cell
-  std::vector<int> wave_;
+  std::vector<int>& reached_;  // the last border that took the cell
+  std::vector<int>& wave_;
   int border_ = -1;
 };
 
 }  // namespace
 
-std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                                      double threshold, CellShares& shares, std::vector<Eigen::Vector3d>& planes,
-                                      int threads) {
-  std::vector<Whole> whole;
+void mergeShares(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
+                 MergeMemory& memory, CellShares& shares, std::vector<Eigen::Vector3d>& planes, int threads) {
+  std::vector<Whole>& whole = memory.whole;
+  whole.clear();
   whole.reserve(shares.sums.size());
   for (const Moments& sum : shares.sums) whole.push_back({sum, fitPlane(sum)});
-  std::vector<std::int32_t> names(whole.size());
+  std::vector<std::int32_t>&names = memory.names, &now = memory.now;
+  names.resize(whole.size());
   std::iota(names.begin(), names.end(), 0);
-  std::vector<char> fresh(whole.size(), 1);  // pairs of labels that have not changed need no second look
-  std::vector<Meeting> meetings = findMeetings(cells, shares, threads);
-  std::vector<MeetingGroup> groups = groupMeetings(meetings);
-  BorderSums borders(cells, shares, meetings, names);
-  std::vector<std::pair<double, LabelPair>> candidates;
+  std::vector<char>&fresh = memory.fresh, &changed = memory.changed;
+  fresh.assign(whole.size(), 1);
+  findMeetings(cells, shares, memory.meetings, threads);
+  groupMeetings(memory.meetings);
+  std::vector<MeetingGroup>& groups = memory.meetings.groups;
+  BorderSums borders(cells, shares, memory);
+  std::vector<std::pair<double, LabelPair>>& candidates = memory.candidates;
   while (true) {
     candidates.clear();
     for (std::size_t begin = 0, end = 0; begin < groups.size(); begin = end) {
@@ -218,8 +223,8 @@ std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& 
     }
     if (candidates.empty()) break;
     std::sort(candidates.begin(), candidates.end());
-    std::vector<char> changed(whole.size(), 0);
-    std::vector<std::int32_t> now(whole.size());
+    changed.assign(whole.size(), 0);
+    now.resize(whole.size());
     std::iota(now.begin(), now.end(), 0);
     for (const auto& [s, pair] : candidates) {
       if ((changed[pair.first] | changed[pair.second]) != 0) continue;
@@ -231,24 +236,20 @@ std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& 
     }
     for (std::int32_t& label : names) label = now[label];
     renameGroups(now, groups);
-    fresh = changed;
+    std::swap(fresh, changed);
   }
   renameShares(names, shares);
   planes.assign(whole.size(), Eigen::Vector3d::Zero());
   for (const std::int32_t name : names) planes[name] = whole[name].fit.a;
-  return names;
 }
 
-std::vector<LabelRun> mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                                  double threshold, CellShares& shares, LabelImage& labels,
-                                  std::vector<Eigen::Vector3d>& planes, int threads) {
-  const std::vector<std::int32_t> names = mergeShares(cells, noise, tolerance, threshold, shares, planes, threads);
-  const std::vector<LabelRun> before = labelRuns(labels);
-  renameLabels(names, before, labels);
-  std::vector<LabelRun> runs;
-  runs.reserve(before.size());
-  for (const LabelRun& run : before) appendRun({names[run.label], run.begin, run.end}, runs);
-  return runs;
+void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
+                 MergeMemory& memory, CellShares& shares, LabelImage& labels, std::vector<LabelRun>& runs,
+                 std::vector<Eigen::Vector3d>& planes, int threads) {
+  mergeShares(cells, noise, tolerance, threshold, memory, shares, planes, threads);
+  listRuns(labels, runs);
+  renameLabels(memory.names, runs, labels);
+  renameRuns(memory.names, runs);
 }
 
 }  // namespace ppc

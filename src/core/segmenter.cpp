@@ -122,10 +122,10 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
   timer.lap("clustering");
   std::vector<Eigen::Vector3d>& planes = memory.planes;  // of the labels
   if (config.merge) {
-    mergeShares(patches, noise, tolerance, config.similarity_threshold, shares, planes, config.threads);
+    mergeShares(patches, noise, tolerance, config.similarity_threshold, memory.merging, shares, planes, config.threads);
     timer.lap("merging");
   } else {
-    planes = labelPlanes(shares);
+    labelPlanes(shares, planes);
   }
   LabelImage labels;
   patchLabels(grid, patches, shares, memory.patch_rows, labels, config.threads);
@@ -145,24 +145,24 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
       const auto first_new = static_cast<std::int32_t>(planes.size());
       addSmallRegions(grid, noise, tolerance, config, first_new, memory, labels);
       update();
-      planes = labelPlanes(shares);
+      labelPlanes(shares, planes);
       refine(first_new);
       update();
       if (config.merge) {
-        pieces.runs =
-            mergeLabels(patches, noise, tolerance, config.similarity_threshold, shares, labels, planes, config.threads);
+        mergeLabels(patches, noise, tolerance, config.similarity_threshold, memory.merging, shares, labels, pieces.runs,
+                    planes, config.threads);
       } else {
-        planes = labelPlanes(shares);
+        labelPlanes(shares, planes);
       }
       runs_known = config.merge;
       timer.lap("second pass");
     } else {
       update();
-      planes = labelPlanes(shares);
+      labelPlanes(shares, planes);
     }
   }
   const int gap_rows = 2 * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols), gap_cols = 2;
-  if (!runs_known) pieces.runs = labelRuns(labels);
+  if (!runs_known) listRuns(labels, pieces.runs);
   pieces.whole = splitRuns(grid.cols, gap_rows, gap_cols, pieces.runs);
   timer.lap("components");
   planarNames(grid, noise, tolerance, config.max_turn, pieces.runs, memory.curvature, pieces.names, config.threads);

@@ -4,6 +4,7 @@
 #include "patch_plane_clustering/core/clustering.h"
 
 #include "analytic_scenes.h"
+#include "run_checks.h"
 
 #include <gtest/gtest.h>
 
@@ -36,7 +37,12 @@ struct Scene {
 
   std::vector<Eigen::Vector3d> planes;
 
-  void merge() { mergeLabels(cells, kNoise, kTolerance, 0.1, shares, labels, planes); }
+  void merge() {
+    MergeMemory memory;
+    std::vector<LabelRun> runs;
+    mergeLabels(cells, kNoise, kTolerance, 0.1, memory, shares, labels, runs, planes);
+    expectRunsOf(labels, runs);
+  }
 };
 
 const auto kLeft = [](const Eigen::Vector3d& p) { return p.y() > 0.0; };

@@ -33,8 +33,16 @@ struct CellShares {
 
 /// @brief Working memory of updateShares(), which one image after the other may use.
 struct ShareMemory {
+  struct Part {
+    std::vector<int> cells;           ///< that have changed
+    std::vector<std::int32_t> found;  ///< labels in one of them
+  };
+
   CellShares before;
   std::vector<CellShares> rest;  ///< of the cells of each thread but the first
+  std::vector<Part> parts;       ///< of each thread's cells
+  std::vector<int> points;       ///< of each label before
+  std::vector<char> again;       ///< whether a label is summed anew
 };
 
 /// @brief Moments of the labels in every cell, about cells.center. @param cells with weighed moments (weighPatches).
@@ -51,11 +59,14 @@ void shareClusters(const PatchClusters& clusters, CellShares& shares);
 void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const LabelImage& labels,
                   const std::vector<char>& changed, CellShares& shares, ShareMemory& memory, int threads = 1);
 
-/// @brief Renames the labels of the shares and adds up those that have become one in a cell. @param names index = label.
+/// @brief Renames the labels of the shares and adds up those that have become one in a cell.
+/// @param names index = label: itself, or a lower label that keeps its name.
 void renameShares(const std::vector<std::int32_t>& names, CellShares& shares);
 
 /// @brief Planes of the labels: a (see moments.h); index = label.
 std::vector<Eigen::Vector3d> labelPlanes(const CellShares& shares);
+/// @brief The same into planes that are there, whose memory is used again.
+void labelPlanes(const CellShares& shares, std::vector<Eigen::Vector3d>& planes);
 
 /// @brief Whether several labels meet in a cell, or it lies next to a cell with another label.
 /// @param only see CellShares.

@@ -34,11 +34,19 @@ struct MeetingGroup {
   bool swapped;  ///< what had the lower label has the higher one now
 };
 
-/// @brief Where labels meet, cell by cell.
-std::vector<Meeting> findMeetings(const PatchGrid& cells, const CellShares& all, int threads = 1);
+/// @brief Where labels meet, and working memory for the search of it.
+struct LabelMeetings {
+  std::vector<Meeting> all;
+  std::vector<MeetingGroup> groups;
+  std::vector<std::vector<Meeting>> rest;  ///< of each thread's cells but the first one's
+  std::vector<Meeting> sorted;
+};
 
-/// @brief Brings meetings of the same two labels together. @return one group a pair, in ascending pairs.
-std::vector<MeetingGroup> groupMeetings(std::vector<Meeting>& meetings);
+/// @brief Finds where labels meet: `all` cell by cell, without groups.
+void findMeetings(const PatchGrid& cells, const CellShares& all, LabelMeetings& meetings, int threads = 1);
+
+/// @brief Brings meetings of the same two labels together, and makes one group a pair of them, in ascending pairs.
+void groupMeetings(LabelMeetings& meetings);
 
 /// @brief Gives groups the labels' new names, and drops those that have come to be inside of one. One pair may then have
 /// several, one after the other. @param now index = label.

@@ -144,6 +144,20 @@ inline void appendRun(const LabelRun& run, std::vector<LabelRun>& runs) {
   }
 }
 
+/// Gives runs the names of their labels, all above 0, and joins those that come to follow one another.
+inline void renameRuns(const std::vector<std::int32_t>& names, std::vector<LabelRun>& runs) {
+  std::size_t kept = 0;
+  for (const LabelRun& run : runs) {
+    const LabelRun renamed{names[run.label], run.begin, run.end};
+    if (kept > 0 && runs[kept - 1].end == renamed.begin && runs[kept - 1].label == renamed.label) {
+      runs[kept - 1].end = renamed.end;
+    } else {
+      runs[kept++] = renamed;
+    }
+  }
+  runs.resize(kept);
+}
+
 /// The largest label of an image; 0 if there is none.
 inline std::int32_t highestLabel(const LabelImage& labels) {
   std::int32_t highest = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "patch_plane_clustering/core/cell_shares.h"
+#include "patch_plane_clustering/core/label_meetings.h"
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/patch_grid.h"
@@ -9,9 +10,26 @@
 #include "patch_plane_clustering/core/similarity.h"
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace ppc {
+
+/// @brief Working memory of mergeLabels() and mergeShares(), which one image after the other may use.
+struct MergeMemory {
+  struct Whole {  ///< a label as a whole
+    Moments moments;
+    PlaneFit fit;
+  };
+
+  std::vector<std::int32_t> names;  ///< of every label in the end: itself, or a lower one that keeps its name
+  std::vector<std::int32_t> now;    ///< the same of one round
+  std::vector<Whole> whole;
+  std::vector<char> fresh, changed;  ///< labels: pairs of those that have not changed need no second look
+  LabelMeetings meetings;
+  std::vector<int> reached, wave;  ///< cells of a border: the last one that took each, and those of one
+  std::vector<std::pair<double, LabelPair>> candidates;
+};
 
 /// @brief Merges labels that touch and lie on one plane, most similar first.
 ///
@@ -21,15 +39,14 @@ namespace ppc {
 /// strips on both sides of the border are compared by their offset alone (a plane tilted across a step hides three quarters
 /// of it); those of a wide bow, whose joint plane leaves the border, by the nearest of both sides.
 /// @param cells blocks of pixels by which "touching" and "where they meet" are measured.
-/// @param shares of `labels`; renamed along with them. @param planes set to those of the new labels, as by labelPlanes(); 0
-/// of names that no label has any more. @return the runs of the new labels.
-std::vector<LabelRun> mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                                  double threshold, CellShares& shares, LabelImage& labels,
-                                  std::vector<Eigen::Vector3d>& planes, int threads = 1);
+/// @param shares of `labels`; renamed along with them. @param runs set to those of the new labels. @param planes set to
+/// those of the new labels, as by labelPlanes(); 0 of names that no label has any more.
+void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
+                 MergeMemory& memory, CellShares& shares, LabelImage& labels, std::vector<LabelRun>& runs,
+                 std::vector<Eigen::Vector3d>& planes, int threads = 1);
 
-/// @brief The same where there is no image of the labels yet. @return the new name of every label.
-std::vector<std::int32_t> mergeShares(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                                      double threshold, CellShares& shares, std::vector<Eigen::Vector3d>& planes,
-                                      int threads = 1);
+/// @brief The same where there is no image of the labels yet.
+void mergeShares(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
+                 MergeMemory& memory, CellShares& shares, std::vector<Eigen::Vector3d>& planes, int threads = 1);
 
 }  // namespace ppc

@@ -40,6 +40,7 @@ struct ClusteringMemory {
   GrowthMemory growth;
   CellShares shares;
   ShareMemory share_updates;
+  MergeMemory merging;
   std::vector<PatchRow> patch_rows;
   std::vector<char> changed;
   LabelPieces pieces;
