@@ -22,13 +22,20 @@ Lanes capped(Lanes squared, LaneMask valid) {
 }  // namespace
 
 CellResolver::CellResolver(const BeamGrid& grid, const PatchGrid& cells, const std::vector<Eigen::Vector3d>& planes,
-                           const NoiseModel& noise, const CoplanarityTolerance& tolerance)
+                           const NoiseModel& noise, const CoplanarityTolerance& tolerance, ResolverMemory& memory)
     : grid_(grid),
       cells_(cells),
       planes_(planes),
       noise_(noise),
       tolerance_(tolerance),
-      center_(cells.center.cast<float>()) {}
+      center_(cells.center.cast<float>()),
+      candidates_(memory.candidates),
+      middle_(memory.middle),
+      sides_(memory.sides),
+      own_(memory.own),
+      side_costs_(memory.side_costs),
+      across_(memory.across),
+      places_(memory.places) {}
 
 CellResiduals CellResolver::residuals(const CellNoise& noise, std::int32_t label) const {
   return CellResiduals(noise, center_, planes_[label].cast<float>());

@@ -6,10 +6,9 @@
 
 namespace ppc {
 
-BlockLabels::BlockLabels(const PatchGrid& cells, const CellShares& shares)
-    : first(cells.patch_of_block.size() + kLanes),  // which are read in whole lanes
-      second(first.size()),
-      even(cells.strip_rows.size(), 0) {
+void BlockLabels::list(const PatchGrid& cells, const CellShares& shares) {
+  first.resize(cells.patch_of_block.size() + kLanes);  // which are read in whole lanes
+  second.assign(first.size(), 0);
   for (std::size_t block = 0; block < cells.patch_of_block.size(); ++block) {
     const int cell = cells.patch_of_block[block];
     const std::int32_t only = shares.only[cell];
@@ -23,6 +22,7 @@ BlockLabels::BlockLabels(const PatchGrid& cells, const CellShares& shares)
     }
   }
   const std::vector<int>& rows = cells.strip_rows;
+  even.assign(rows.size(), 0);
   for (std::size_t s = 2; s + 2 < rows.size(); ++s) {
     even[s] = rows[s - 2] == rows[s] && rows[s - 1] == rows[s] && rows[s + 1] == rows[s] && rows[s + 2] == rows[s] ? 1 : 0;
   }

@@ -33,14 +33,17 @@ void resolveCells(const PatchGrid& cells, LabelsAround& around, std::vector<int>
 
 void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
                   const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                  std::int32_t first_open, LabelImage& labels, std::vector<char>& changed, int threads) {
+                  std::int32_t first_open, RefinementMemory& memory, LabelImage& labels, std::vector<char>& changed,
+                  int threads) {
   const int count = static_cast<int>(cells.patches.size());
   changed.assign(cells.patches.size(), 0);
 
   // The label of cells that have just one, whole; 0 of all others, kEmpty of those that have no points.
   constexpr std::int32_t kEmpty = -1;
-  std::vector<std::int32_t> whole(cells.patches.size());
-  std::vector<char> open(cells.patches.size());
+  std::vector<std::int32_t>& whole = memory.whole;
+  std::vector<char>& open = memory.open;
+  whole.resize(cells.patches.size());
+  open.resize(cells.patches.size());
   forEachRange(threads, count, [&](int begin, int end) {
     for (int k = begin; k < end; ++k) {
       const int first = shares.begin[k], last = shares.begin[k + 1];
@@ -61,12 +64,13 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
       open[k] = points > 0 && (newly || !full) ? 1 : 0;
     }
   });
-  const BlockLabels blocks(cells, shares);
-  forEachRange(threads, count, [&](int begin, int end) {
-    CellResolver resolver(grid, cells, planes, noise, tolerance);
-    LabelsAround around(cells, shares, blocks);
+  memory.blocks.list(cells, shares);
+  forEachRange(threads, count, memory.of_thread, [&](int begin, int end, RefinementMemory::OfThread& mine) {
+    CellResolver resolver(grid, cells, planes, noise, tolerance, mine.resolver);
+    LabelsAround around(cells, shares, memory.blocks, mine.around);
     const CellOutliers outliers(grid, cells.center, planes, noise, tolerance);
-    std::vector<int> found;
+    std::vector<int>& found = mine.cells;
+    found.clear();
     for (int k = begin; k < end; ++k) {
       if (k + kMiddlesAhead < end && open[k + kMiddlesAhead] != 0) outliers.prefetch(cells.patches[k + kMiddlesAhead]);
       if (open[k] == 0) continue;
@@ -86,13 +90,14 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
 
 void contestLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
                    const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
-                   const CoplanarityTolerance& tolerance, LabelImage& labels, int threads) {
-  const BlockLabels blocks(cells, shares);
+                   const CoplanarityTolerance& tolerance, RefinementMemory& memory, LabelImage& labels, int threads) {
+  memory.blocks.list(cells, shares);
   const int count = static_cast<int>(shares.only.size()), parts = threads > 1 ? 4 * threads : 1;
-  forEachPart(threads, parts, [&](int part) {
-    CellResolver resolver(grid, cells, planes, noise, tolerance);
-    LabelsAround around(cells, shares, blocks);
-    std::vector<int> borders;
+  forEachPart(threads, parts, memory.of_thread, [&](int part, RefinementMemory::OfThread& mine) {
+    CellResolver resolver(grid, cells, planes, noise, tolerance, mine.resolver);
+    LabelsAround around(cells, shares, memory.blocks, mine.around);
+    std::vector<int>& borders = mine.cells;
+    borders.clear();
     for (int k = partBegin(count, parts, part), end = partBegin(count, parts, part + 1); k < end; ++k) {
       if (isBorderCell(cells, shares.only, k)) borders.push_back(k);
     }

@@ -134,7 +134,8 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
     updateShares(grid, patches, noise, labels, changed, shares, memory.share_updates, config.threads);
   };
   const auto refine = [&](std::int32_t first_open) {
-    refineLabels(grid, patches, shares, planes, noise, tolerance, first_open, labels, changed, config.threads);
+    refineLabels(grid, patches, shares, planes, noise, tolerance, first_open, memory.refinement, labels, changed,
+                 config.threads);
   };
   LabelPieces& pieces = memory.pieces;
   bool runs_known = false;

@@ -19,7 +19,8 @@ TEST_P(CellsOf, AreResolvedAsByPlainArithmetic) {
   const Walls walls(13, 31);
   PatchGrid cells = makePatchGrid(walls.grid, size, false);
   for (int& rows : cells.strip_rows) rows = 2 * size;  // windows that reach two rows up and down
-  CellResolver resolver(walls.grid, cells, walls.planes, kNoise, kTolerance);
+  ResolverMemory memory;
+  CellResolver resolver(walls.grid, cells, walls.planes, kNoise, kTolerance, memory);
   int left_out = 0, changed = 0;
   for (const bool keep : {false, true}) {
     LabelImage labels = walls.truth;

@@ -43,6 +43,8 @@ CellShares randomShares(const PatchGrid& cells, int most, std::mt19937& random) 
 // Finds labels in images of several sizes, in strips of the same or of various heights, with and without holes.
 void expectPlainLabels(bool level, double hole_share, int most) {
   std::mt19937 random(7);
+  BlockLabels blocks;
+  AroundMemory around_memory;
   int steps = 0;
   for (const auto& [rows, cols] :
        {std::pair(120, 96), std::pair(97, 61), std::pair(3, 40), std::pair(50, 3), std::pair(2, 2)}) {
@@ -59,8 +61,8 @@ void expectPlainLabels(bool level, double hole_share, int most) {
     PatchGrid cells;
     makePatchGrid(grid, 4, angles, nullptr, 1, memory, cells);
     const CellShares shares = randomShares(cells, most, random);
-    const BlockLabels blocks(cells, shares);
-    LabelsAround around(cells, shares, blocks);
+    blocks.list(cells, shares);
+    LabelsAround around(cells, shares, blocks, around_memory);
     for (int k = 0; k < static_cast<int>(cells.patches.size()); ++k) {
       if (cells.patches[k].moments.n == 0) continue;
       EXPECT_EQ(around.find(k), plainLabels(cells, shares, k)) << k << " of " << rows << " x " << cols;

@@ -25,8 +25,9 @@ LabelImage refine(const BeamGrid& grid, const LabelImage& labels, std::int32_t f
   const PatchGrid cells = weighedCells(grid);
   const CellShares shares = shareCells(grid, cells, kNoise, labels);
   LabelImage out = labels;
+  RefinementMemory memory;
   std::vector<char> changed;
-  refineLabels(grid, cells, shares, labelPlanes(shares), kNoise, kTolerance, first_open, out, changed);
+  refineLabels(grid, cells, shares, labelPlanes(shares), kNoise, kTolerance, first_open, memory, out, changed);
   return out;
 }
 
@@ -105,7 +106,8 @@ TEST(ContestLabels, MovesABorderToWhereThePlanesMeet) {
   const PatchGrid cells = weighedCells(corner.grid);
   const CellShares shares = shareCells(corner.grid, cells, kNoise, labels);
   const std::vector<Eigen::Vector3d> planes = labelPlanes(shareCells(corner.grid, cells, kNoise, corner.truth));
-  contestLabels(corner.grid, cells, shares, planes, kNoise, kTolerance, labels);
+  RefinementMemory memory;
+  contestLabels(corner.grid, cells, shares, planes, kNoise, kTolerance, memory, labels);
   int wrong = 0;
   for (int i = 0; i < corner.grid.size(); ++i) wrong += labels.labels[i] != corner.truth.labels[i] ? 1 : 0;
   EXPECT_LT(wrong, corner.grid.rows);  // less than a pixel a row; before, four
@@ -118,7 +120,8 @@ TEST(ContestLabels, KeepsPointsThatNoPlaneExplains) {
   const PatchGrid cells = weighedCells(corner.grid);
   const CellShares shares = shareCells(corner.grid, cells, kNoise, corner.truth);
   LabelImage labels = corner.truth;
-  contestLabels(corner.grid, cells, shares, labelPlanes(shares), kNoise, kTolerance, labels);
+  RefinementMemory memory;
+  contestLabels(corner.grid, cells, shares, labelPlanes(shares), kNoise, kTolerance, memory, labels);
   EXPECT_EQ(labels.labels[edge], corner.truth.labels[edge]);
 }
 

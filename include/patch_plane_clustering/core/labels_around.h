@@ -19,8 +19,14 @@ struct BlockLabels {
   std::vector<std::int32_t> second;  ///< the other one of two, 0 if there is none; of more than two: -1 - cell
   std::vector<char> even;            ///< for every strip: whether it and two on both sides are there and have the same rows
 
-  /// @param cells all blocks of which have a cell. @param shares of the cells.
-  BlockLabels(const PatchGrid& cells, const CellShares& shares);
+  /// Lists those of a grid. @param cells all blocks of which have a cell. @param shares of the cells.
+  void list(const PatchGrid& cells, const CellShares& shares);
+};
+
+/// @brief Working memory of one search after the other for labels around cells.
+struct AroundMemory {
+  std::vector<LaneMask> seen;  ///< labels, and what is none
+  std::vector<std::int32_t> found;
 };
 
 /// @brief Finds the labels of the cells within two steps of a cell. A step leads to a cell that shares an edge; from cells
@@ -30,8 +36,9 @@ struct BlockLabels {
 /// depends on what labels they have, which nothing foresees at a border.
 class LabelsAround {
  public:
-  LabelsAround(const PatchGrid& cells, const CellShares& shares, const BlockLabels& blocks)
-      : cells_(cells), shares_(shares), blocks_(blocks) {}
+  /// @param memory overwritten.
+  LabelsAround(const PatchGrid& cells, const CellShares& shares, const BlockLabels& blocks, AroundMemory& memory)
+      : cells_(cells), shares_(shares), blocks_(blocks), seen_(memory.seen), found_(memory.found) {}
 
   /// @param cell one with points. @return the labels, its own among them, in ascending order; until the next call.
   const std::vector<std::int32_t>& find(int cell);
@@ -54,8 +61,8 @@ class LabelsAround {
   const PatchGrid& cells_;
   const CellShares& shares_;
   const BlockLabels& blocks_;
-  std::vector<LaneMask> seen_;  // labels, and what is none
-  std::vector<std::int32_t> found_;
+  std::vector<LaneMask>& seen_;
+  std::vector<std::int32_t>& found_;
 };
 
 }  // namespace ppc

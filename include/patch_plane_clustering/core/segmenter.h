@@ -14,6 +14,7 @@
 #include "patch_plane_clustering/core/patch_grid.h"
 #include "patch_plane_clustering/core/patch_labels.h"
 #include "patch_plane_clustering/core/polygon_memory.h"
+#include "patch_plane_clustering/core/refinement.h"
 #include "patch_plane_clustering/core/region_merging.h"
 #include "patch_plane_clustering/core/segmentation.h"
 
@@ -41,6 +42,7 @@ struct ClusteringMemory {
   CellShares shares;
   ShareMemory share_updates;
   MergeMemory merging;
+  RefinementMemory refinement;
   std::vector<PatchRow> patch_rows;
   std::vector<char> changed;
   LabelPieces pieces;
