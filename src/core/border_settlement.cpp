@@ -1,21 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/border_settlement.h"
 
-#include "patch_plane_clustering/core/connected_pieces.h"
-#include "patch_plane_clustering/core/label_runs.h"
-#include "patch_plane_clustering/core/refinement.h"
-
 #include <algorithm>
 #include <cstddef>
 
 namespace ppc {
 namespace {
 
-// Points that a new piece has kept of a piece before.
-struct Kept {
-  std::int32_t piece, before;
-  int points;
-};
+using Kept = BorderMemory::Kept;
 
 // Calls f(label, was, begin, end) for every stretch of pixels of one run and of one piece before, or none (0).
 template <typename F>
@@ -33,11 +25,12 @@ void forEachStretch(const LabelPieces& before, const std::vector<LabelRun>& runs
 }
 
 // What the new pieces have kept, by piece and piece before.
-std::vector<Kept> countKept(const LabelPieces& before, const std::vector<LabelRun>& runs,
-                            const std::vector<std::int32_t>& whole) {
-  std::vector<Kept> kept;
-  std::vector<std::size_t> latest(whole.size(), 0);  // of each new piece, plus one: most stretches add to it
-  forEachStretch(before, runs, [&](std::int32_t piece, std::int32_t was, int begin, int end) {
+void countKept(const LabelPieces& before, const std::vector<std::int32_t>& whole, BorderMemory& memory) {
+  std::vector<Kept>& kept = memory.kept;
+  std::vector<std::size_t>& latest = memory.latest;  // most stretches add to it
+  kept.clear();
+  latest.assign(whole.size(), 0);
+  forEachStretch(before, memory.runs, [&](std::int32_t piece, std::int32_t was, int begin, int end) {
     if (was == 0 || before.whole[was] != whole[piece]) return;
     if (latest[piece] == 0 || kept[latest[piece] - 1].before != was) {
       kept.push_back({piece, was, 0});
@@ -56,59 +49,58 @@ std::vector<Kept> countKept(const LabelPieces& before, const std::vector<LabelRu
     }
   }
   kept.resize(size);
-  return kept;
 }
 
-// Whether each piece before is, or is part of, a region that is large enough.
-std::vector<char> findRegions(const LabelPieces& before, int smallest) {
-  std::vector<int> points(before.names.size(), 0);
+void findRegions(const LabelPieces& before, int smallest, BorderMemory& memory) {
+  std::vector<int>& points = memory.points;
+  std::vector<char>& is_region = memory.is_region;
+  points.assign(before.names.size(), 0);
+  is_region.assign(before.names.size(), 0);
   for (const LabelRun& run : before.runs) points[before.names[run.label]] += run.end - run.begin;
-  std::vector<char> is_region(before.names.size(), 0);
   for (std::size_t piece = 1; piece < is_region.size(); ++piece) {
     const std::int32_t name = before.names[piece];
     is_region[piece] = name != 0 && points[name] >= smallest ? 1 : 0;
   }
-  return is_region;
 }
 
 // For every piece of one kind, the one of the other kind that it shares most points with; 0 if there is none.
-std::vector<std::int32_t> mostOf(const std::vector<Kept>& kept, std::int32_t Kept::*of, std::int32_t Kept::*other,
-                                 std::size_t count) {
-  std::vector<std::int32_t> found(count, 0);
-  std::vector<int> points(count, 0);
+// @param points scratch.
+void findMostOf(const std::vector<Kept>& kept, std::int32_t Kept::*of, std::int32_t Kept::*other, std::size_t count,
+                std::vector<int>& points, std::vector<std::int32_t>& found) {
+  found.assign(count, 0);
+  points.assign(count, 0);
   for (const Kept& k : kept) {
     if (k.points <= points[k.*of]) continue;
     points[k.*of] = k.points;
     found[k.*of] = k.*other;
   }
-  return found;
 }
 
 // Runs of the labels after the contest; but points of regions that went to a label without any region are given back to
-// theirs: such a label may only defend its own.
-std::vector<LabelRun> settledRuns(const LabelImage& labels, const LabelPieces& before, const std::vector<char>& is_region,
-                                  std::size_t count) {
-  std::vector<char> has_region(count, 0);  // of each label
+// theirs: such a label may only defend its own. @param count of labels.
+void settleRuns(const LabelImage& labels, const LabelPieces& before, std::size_t count, BorderMemory& memory) {
+  const std::vector<char>& is_region = memory.is_region;
+  std::vector<char>& has_region = memory.has_region;
+  has_region.assign(count, 0);
   for (std::size_t piece = 1; piece < is_region.size(); ++piece) {
     if (is_region[piece] != 0) has_region[before.whole[piece]] = 1;
   }
-  const std::vector<LabelRun> contested = labelRuns(labels);
-  std::vector<LabelRun> runs;
-  runs.reserve(contested.size());
-  forEachStretch(before, contested, [&](std::int32_t label, std::int32_t was, int begin, int end) {
-    appendRun({is_region[was] > has_region[label] ? before.whole[was] : label, begin, end}, runs);
+  listRuns(labels, memory.contested);
+  memory.runs.clear();
+  memory.runs.reserve(memory.contested.size());
+  forEachStretch(before, memory.contested, [&](std::int32_t label, std::int32_t was, int begin, int end) {
+    appendRun({is_region[was] > has_region[label] ? before.whole[was] : label, begin, end}, memory.runs);
   });
-  return runs;
 }
 
 // Names of the new pieces: themselves, 0 for those that are no regions, or that of the region which they are given to.
-std::vector<std::int32_t> nameRegions(const LabelPieces& before, const std::vector<char>& is_region,
-                                      const std::vector<Kept>& kept, const std::vector<std::int32_t>& heir,
-                                      std::size_t count) {
-  std::vector<int> balance(count, 0);
-  for (const Kept& k : kept) balance[k.piece] += is_region[k.before] != 0 ? k.points : -k.points;
-  const std::vector<std::int32_t> origin = mostOf(kept, &Kept::piece, &Kept::before, count);  // of each
-  std::vector<std::int32_t> names(count, 0);
+void nameRegions(const LabelPieces& before, std::size_t count, BorderMemory& memory) {
+  const std::vector<std::int32_t>&heir = memory.heir, &origin = memory.origin;
+  std::vector<std::int32_t>& names = memory.names;
+  std::vector<int>& balance = memory.points;
+  balance.assign(count, 0);
+  for (const Kept& k : memory.kept) balance[k.piece] += memory.is_region[k.before] != 0 ? k.points : -k.points;
+  names.assign(count, 0);
   for (std::size_t piece = 1; piece < count; ++piece) {
     if (balance[piece] > 0) names[piece] = static_cast<std::int32_t>(piece);
   }
@@ -117,17 +109,16 @@ std::vector<std::int32_t> nameRegions(const LabelPieces& before, const std::vect
     const std::int32_t name = before.names[origin[piece]];
     if (name != 0 && name != origin[piece] && names[heir[name]] != 0) names[piece] = names[heir[name]];
   }
-  return names;
 }
 
 // Writes names, but what kept its label stays what it was: points of a region are not lost to what is none, and those of no
 // region do not come back with a region that has reached them.
-void writeNames(const LabelPieces& before, const std::vector<char>& is_region, const std::vector<std::int32_t>& heir,
-                const std::vector<std::int32_t>& whole, const std::vector<std::int32_t>& names,
-                const std::vector<LabelRun>& runs, LabelImage& labels) {
-  forEachStretch(before, runs, [&](std::int32_t piece, std::int32_t was, int begin, int end) {
+void writeNames(const LabelPieces& before, const std::vector<std::int32_t>& whole, const BorderMemory& memory,
+                LabelImage& labels) {
+  const std::vector<std::int32_t>&names = memory.names, &heir = memory.heir;
+  forEachStretch(before, memory.runs, [&](std::int32_t piece, std::int32_t was, int begin, int end) {
     std::int32_t name = names[piece];
-    if (is_region[was] != 0) {
+    if (memory.is_region[was] != 0) {
       const std::int32_t home = heir[before.names[was]];
       if (name == 0) name = names[home] != 0 ? names[home] : home;
     } else if (was != 0 && before.whole[was] == whole[piece]) {
@@ -139,19 +130,19 @@ void writeNames(const LabelPieces& before, const std::vector<char>& is_region, c
 
 }  // namespace
 
-std::vector<std::int32_t> settleBorders(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
-                                        const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
-                                        const CoplanarityTolerance& tolerance, const LabelPieces& before, int smallest,
-                                        int gap_rows, int gap_cols, LabelImage& labels, int threads) {
-  contestLabels(grid, cells, shares, planes, noise, tolerance, labels, threads);
-  const std::vector<char> is_region = findRegions(before, smallest);
-  std::vector<LabelRun> runs = settledRuns(labels, before, is_region, planes.size());
-  std::vector<std::int32_t> whole = splitRuns(grid.cols, gap_rows, gap_cols, runs);
-  const std::vector<Kept> kept = countKept(before, runs, whole);
-  const std::vector<std::int32_t> heir = mostOf(kept, &Kept::before, &Kept::piece, before.names.size());
-  const std::vector<std::int32_t> names = nameRegions(before, is_region, kept, heir, whole.size());
-  writeNames(before, is_region, heir, whole, names, runs, labels);
-  return whole;
+void settleBorders(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
+                   const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
+                   const CoplanarityTolerance& tolerance, const LabelPieces& before, int smallest, int gap_rows,
+                   int gap_cols, BorderMemory& memory, LabelImage& labels, std::vector<std::int32_t>& whole, int threads) {
+  contestLabels(grid, cells, shares, planes, noise, tolerance, memory.contest, labels, threads);
+  findRegions(before, smallest, memory);
+  settleRuns(labels, before, planes.size(), memory);
+  splitRuns(grid.cols, gap_rows, gap_cols, memory.split, memory.runs, whole);
+  countKept(before, whole, memory);
+  findMostOf(memory.kept, &Kept::before, &Kept::piece, before.names.size(), memory.points, memory.heir);
+  findMostOf(memory.kept, &Kept::piece, &Kept::before, whole.size(), memory.points, memory.origin);
+  nameRegions(before, whole.size(), memory);
+  writeNames(before, whole, memory, labels);
 }
 
 }  // namespace ppc

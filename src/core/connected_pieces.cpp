@@ -9,27 +9,9 @@ namespace {
 
 constexpr int kNone = -1;
 
-// Pixels of one label in a row, gaps bridged.
-struct Run {
-  std::int32_t label;
-  int row, begin, end;  // columns
-  int left, right;      // runs of the label beside it in its row
-  int first_above;      // the label's first run in the nearest row above that has any within reach
-  int above;            // its last one there that begins no farther right, or the first one
-  int parent;           // of the run's piece: never a later run
-};
-
-// A stretch of pixels without a gap.
-struct Stretch {
-  int begin, end, run;
-};
-
-// What is known of a label while rows are read.
-struct LatestRow {
-  int row = kNone;
-  int first = kNone, last = kNone;  // runs
-  int first_above = kNone;
-};
+using Run = SplitMemory::Run;
+using Stretch = SplitMemory::Stretch;
+using LatestRow = SplitMemory::LatestRow;
 
 // Whether a run goes on at a column: neither it nor any run that began since has ended too far to the left.
 bool goesOn(const std::vector<Run>& runs, int run, int column, int gap_cols) {
@@ -39,9 +21,13 @@ bool goesOn(const std::vector<Run>& runs, int run, int column, int gap_cols) {
   return true;
 }
 
-void bridgeGaps(const std::vector<LabelRun>& of_labels, int cols, int reach, int gap_cols, std::vector<Run>& runs,
-                std::vector<Stretch>& stretches) {
-  std::vector<LatestRow> latest(static_cast<std::size_t>(highestLabel(of_labels)) + 1);
+void bridgeGaps(const std::vector<LabelRun>& of_labels, int cols, int reach, int gap_cols, SplitMemory& memory) {
+  std::vector<LatestRow>& latest = memory.latest;
+  std::vector<Run>& runs = memory.runs;
+  std::vector<Stretch>& stretches = memory.stretches;
+  latest.assign(static_cast<std::size_t>(highestLabel(of_labels)) + 1, {kNone, kNone, kNone, kNone});
+  runs.clear();
+  stretches.clear();
   runs.reserve(of_labels.size());
   stretches.reserve(of_labels.size());
   int row = 0, row_first = 0;  // pixel
@@ -118,30 +104,32 @@ class PieceJoiner {
 
 std::vector<std::int32_t> splitComponents(int gap_rows, int gap_cols, LabelImage& labels) {
   std::vector<LabelRun> runs = labelRuns(labels);
-  std::vector<std::int32_t> whole = splitRuns(labels.cols, gap_rows, gap_cols, runs);
+  std::vector<std::int32_t> whole;
+  SplitMemory memory;
+  splitRuns(labels.cols, gap_rows, gap_cols, memory, runs, whole);
   paintRuns(runs, labels);
   return whole;
 }
 
-std::vector<std::int32_t> splitRuns(int cols, int gap_rows, int gap_cols, std::vector<LabelRun>& of_labels) {
+void splitRuns(int cols, int gap_rows, int gap_cols, SplitMemory& memory, std::vector<LabelRun>& of_labels,
+               std::vector<std::int32_t>& whole) {
   const int reach = gap_rows + 1;
-  std::vector<Run> runs;
-  std::vector<Stretch> stretches;
-  bridgeGaps(of_labels, cols, reach, gap_cols, runs, stretches);
+  std::vector<Run>& runs = memory.runs;
+  bridgeGaps(of_labels, cols, reach, gap_cols, memory);
   PieceJoiner pieces(reach, runs);
   for (int k = 0, n = static_cast<int>(runs.size()); k < n; ++k) pieces.join(k);
   of_labels.clear();
-  std::vector<std::int32_t> renamed(runs.size(), 0);
-  std::vector<std::int32_t> before(1, 0);
-  for (const Stretch& stretch : stretches) {
-    std::int32_t& name = renamed[pieces.rootOf(stretch.run)];
+  std::vector<std::int32_t>& names = memory.names;
+  names.assign(runs.size(), 0);
+  whole.assign(1, 0);
+  for (const Stretch& stretch : memory.stretches) {
+    std::int32_t& name = names[pieces.rootOf(stretch.run)];
     if (name == 0) {
-      name = static_cast<std::int32_t>(before.size());
-      before.push_back(runs[stretch.run].label);
+      name = static_cast<std::int32_t>(whole.size());
+      whole.push_back(runs[stretch.run].label);
     }
     appendRun({name, stretch.begin, stretch.end}, of_labels);  // it may go on over the end of a row
   }
-  return before;
 }
 
 }  // namespace ppc

@@ -164,13 +164,14 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
   }
   const int gap_rows = 2 * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols), gap_cols = 2;
   if (!runs_known) listRuns(labels, pieces.runs);
-  pieces.whole = splitRuns(grid.cols, gap_rows, gap_cols, pieces.runs);
+  splitRuns(grid.cols, gap_rows, gap_cols, memory.split, pieces.runs, pieces.whole);
   timer.lap("components");
   planarNames(grid, noise, tolerance, config.max_turn, pieces.runs, memory.curvature, pieces.names, config.threads);
   timer.lap("curvature");
   if (config.refine && config.settle_borders) {
-    pieces.whole = settleBorders(grid, patches, shares, planes, noise, tolerance, pieces,
-                                 smallestRegion(config, grid.size()), gap_rows, gap_cols, labels, config.threads);
+    settleBorders(grid, patches, shares, planes, noise, tolerance, pieces, smallestRegion(config, grid.size()), gap_rows,
+                  gap_cols, memory.borders, labels, memory.settled, config.threads);
+    std::swap(pieces.whole, memory.settled);
     timer.lap("borders");
   } else {
     paintRuns(pieces.runs, pieces.names, labels);

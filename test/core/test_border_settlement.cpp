@@ -38,7 +38,8 @@ struct Corner {
     piece_labels = truth;
     for (int i = 0; i < grid.size(); ++i) piece_labels.labels[i] = labels(i / grid.cols, i % grid.cols);
     pieces.runs = labelRuns(piece_labels);
-    pieces.whole = splitRuns(grid.cols, 0, 0, pieces.runs);
+    SplitMemory memory;
+    splitRuns(grid.cols, 0, 0, memory, pieces.runs, pieces.whole);
     paintRuns(pieces.runs, piece_labels);
     pieces.names.resize(pieces.whole.size());
     for (std::size_t k = 0; k < pieces.names.size(); ++k) pieces.names[k] = static_cast<std::int32_t>(k);
@@ -55,9 +56,11 @@ struct Corner {
     std::vector<Eigen::Vector3d> planes = labelPlanes(shareCells(grid, cells, kNoise, truth));
     planes.resize(10, planes[2]);
     LabelImage out = wholes;
-    const std::vector<std::int32_t> names = settleBorders(grid, cells, shareCells(grid, cells, kNoise, wholes), planes,
-                                                          kNoise, kTolerance, pieces, kSmallest, 0, 0, out);
-    if (whole != nullptr) *whole = names;
+    BorderMemory memory;
+    std::vector<std::int32_t> of_pieces;
+    settleBorders(grid, cells, shareCells(grid, cells, kNoise, wholes), planes, kNoise, kTolerance, pieces, kSmallest, 0, 0,
+                  memory, out, of_pieces);
+    if (whole != nullptr) *whole = of_pieces;
     return out;
   }
 };

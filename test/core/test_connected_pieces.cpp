@@ -53,7 +53,9 @@ TEST(SplitComponents, TellsWhatEachPieceWasPartOf) {
 TEST(SplitComponents, TellsTheRunsOfThePieces) {
   LabelImage labels{3, 6, {1, 1, 0, 2, 2, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1, 3, 3, 3}};  // pieces go on over the ends of rows
   std::vector<LabelRun> runs = labelRuns(labels);
-  const std::vector<std::int32_t> whole = splitRuns(6, 0, 1, runs);
+  std::vector<std::int32_t> whole;
+  SplitMemory memory;
+  splitRuns(6, 0, 1, memory, runs, whole);
   EXPECT_EQ(splitComponents(0, 1, labels), whole);
   testing_tools::expectRunsOf(labels, runs);
 }

@@ -2,13 +2,16 @@
 #pragma once
 
 #include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/cell_shares.h"
+#include "patch_plane_clustering/core/connected_pieces.h"
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/patch_grid.h"
-#include "patch_plane_clustering/core/region_merging.h"
+#include "patch_plane_clustering/core/refinement.h"
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/similarity.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -22,6 +25,26 @@ struct LabelPieces {
   std::vector<std::int32_t> names;
 };
 
+/// @brief Working memory of settleBorders(), which one image after the other may use.
+struct BorderMemory {
+  struct Kept {  ///< points that a new piece has kept of a piece before
+    std::int32_t piece, before;
+    int points;
+  };
+
+  RefinementMemory contest;
+  SplitMemory split;
+  std::vector<LabelRun> contested, runs;  ///< of the labels after the contest, and of the new pieces
+  std::vector<char> is_region;            ///< whether each piece before is, or is part of, a region that is large enough
+  std::vector<char> has_region;           ///< of each label
+  std::vector<Kept> kept;                 ///< by piece and piece before
+  std::vector<std::size_t> latest;        ///< of each new piece in `kept`, plus one
+  std::vector<std::int32_t> heir;         ///< of each piece before, the new one that shares most points with it
+  std::vector<std::int32_t> origin;       ///< of each new piece, the one before that shares most points with it
+  std::vector<int> points;                ///< of pieces
+  std::vector<std::int32_t> names;        ///< of the new pieces
+};
+
 /// @brief Settles the borders between regions by their planes as they are after the last merge.
 ///
 /// Borders were drawn with the planes of parts. Here all labels that meet compete once more (contestLabels()); those that
@@ -32,10 +55,11 @@ struct LabelPieces {
 /// @param before the pieces, their names and labels. @param planes of the labels, see labelPlanes().
 /// @param smallest points of a region, at least. @param labels those of which `before` has the pieces; set to the new
 /// pieces, 0 where there is no region.
-/// @return for every new piece the label that it is part of; index = piece.
-std::vector<std::int32_t> settleBorders(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
-                                        const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
-                                        const CoplanarityTolerance& tolerance, const LabelPieces& before, int smallest,
-                                        int gap_rows, int gap_cols, LabelImage& labels, int threads = 1);
+/// @param whole set to the label that every new piece is part of; index = piece.
+void settleBorders(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
+                   const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
+                   const CoplanarityTolerance& tolerance, const LabelPieces& before, int smallest, int gap_rows,
+                   int gap_cols, BorderMemory& memory, LabelImage& labels, std::vector<std::int32_t>& whole,
+                   int threads = 1);
 
 }  // namespace ppc

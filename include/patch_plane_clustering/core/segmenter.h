@@ -5,6 +5,7 @@
 #include "patch_plane_clustering/core/border_settlement.h"
 #include "patch_plane_clustering/core/clustering.h"
 #include "patch_plane_clustering/core/config.h"
+#include "patch_plane_clustering/core/connected_pieces.h"
 #include "patch_plane_clustering/core/crease_alignment.h"
 #include "patch_plane_clustering/core/curvature.h"
 #include "patch_plane_clustering/core/hole_filling.h"
@@ -46,6 +47,9 @@ struct ClusteringMemory {
   std::vector<PatchRow> patch_rows;
   std::vector<char> changed;
   LabelPieces pieces;
+  SplitMemory split;
+  BorderMemory borders;
+  std::vector<std::int32_t> settled;  ///< label of every piece once borders are settled
   CurvatureMemory curvature;
   std::vector<Eigen::Vector3d> planes, piece_planes;  ///< of the labels, and of their pieces
   HoleMemory holes;
