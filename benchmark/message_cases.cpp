@@ -57,9 +57,10 @@ void addMessages() {
     static BeamColumns columns;
     static BeamGrid grid;
     static ClusteringMemory memory;
+    static Segmentation segmentation;
     fromMessage(s.message, image);
     toBeamGrid(image, columns, grid);
-    const Segmentation segmentation = segment(grid, Config(), memory);
+    segment(grid, Config(), memory, segmentation);
     const PlanarPolygonArray polygons = toPolygonArray(segmentation, s.message.header);
     benchmark::DoNotOptimize(polygons.polygons.data());
     stages.insert(stages.end(), segmentation.stages.begin(), segmentation.stages.end());

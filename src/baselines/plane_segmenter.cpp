@@ -13,7 +13,13 @@ namespace {
 class PatchPlaneClustering : public PlaneSegmenter {
  public:
   LabelImage label(const BeamGrid& grid, const Config& config, std::vector<StageTime>* stages) override {
-    return clusterPatches(grid, config, memory_, stages);
+    LabelImage labels;
+    clusterPatches(grid, config, memory_, labels, stages);
+    return labels;
+  }
+
+  void segment(const BeamGrid& grid, const Config& config, Segmentation& result) override {
+    ppc::segment(grid, config, memory_, result);
   }
 
  private:
@@ -21,6 +27,13 @@ class PatchPlaneClustering : public PlaneSegmenter {
 };
 
 }  // namespace
+
+void PlaneSegmenter::segment(const BeamGrid& grid, const Config& config, Segmentation& result) {
+  result.stages.clear();
+  result.labels = label(grid, config, &result.stages);
+  FinishingMemory memory;
+  finishSegmentation(grid, config, memory, result);
+}
 
 void PlaneSegmenter::setParameter(const std::string& name, double value) {
   std::string known;
@@ -62,9 +75,9 @@ std::unique_ptr<PlaneSegmenter> makeSegmenter(const std::string& name) {
 }
 
 Segmentation segmentWith(PlaneSegmenter& method, const BeamGrid& grid, const Config& config) {
-  std::vector<StageTime> stages;
-  LabelImage labels = method.label(grid, config, &stages);
-  return finishSegmentation(grid, std::move(labels), config, std::move(stages));
+  Segmentation result;
+  method.segment(grid, config, result);
+  return result;
 }
 
 }  // namespace ppc

@@ -62,7 +62,7 @@ void assemble(FlatRings& rings, PolygonPiece& piece) {
     const double area = signedArea(rings[i]);
     if ((area > 0.0) != (i == 0)) std::reverse(rings[i].begin(), rings[i].end());
     piece.area += i == 0 ? std::abs(area) : -std::abs(area);
-    piece.rings.add().swap(rings[i]);
+    piece.rings.add() = rings[i];
   }
 }
 

@@ -14,10 +14,8 @@
 #include <boost/geometry/geometries/ring.hpp>
 #include <boost/geometry/strategies/strategies.hpp>
 #include <cmath>
-#include <iterator>
 #include <numeric>
 #include <stdexcept>
-#include <utility>
 
 namespace ppc {
 namespace {
@@ -76,7 +74,7 @@ class RegionOutliner {
     if (!made && cuts < kMaxCuts) cut(corners, rings, cuts + 1);
   }
 
-  void moveTo(std::int32_t id, std::vector<PlanarPolygon>& polygons) {
+  void liftTo(std::int32_t id, KeptList<PlanarPolygon>& polygons) {
     const KeptList<PolygonPiece>& pieces = memory_.pieces;
     std::vector<std::size_t>& order = memory_.order;
     order.resize(pieces.size());
@@ -86,10 +84,12 @@ class RegionOutliner {
     });
     for (const std::size_t k : order) {
       const KeptList<std::vector<Eigen::Vector2d>>& rings = pieces[k].rings;
-      PlanarPolygon polygon{id, lift(rings[0]), {}, pieces[k].area};
-      polygon.holes.reserve(rings.size() - 1);
-      for (std::size_t i = 1; i < rings.size(); ++i) polygon.holes.push_back(lift(rings[i]));
-      polygons.push_back(std::move(polygon));
+      PlanarPolygon& polygon = polygons.add();
+      polygon.id = id;
+      polygon.area = pieces[k].area;
+      lift(rings[0], polygon.outer);
+      polygon.holes.resize(rings.size() - 1);
+      for (std::size_t i = 1; i < rings.size(); ++i) lift(rings[i], polygon.holes[i - 1]);
     }
   }
 
@@ -148,11 +148,10 @@ class RegionOutliner {
     }
   }
 
-  std::vector<Eigen::Vector3d> lift(const std::vector<Eigen::Vector2d>& ring) const {
-    std::vector<Eigen::Vector3d> lifted;
+  void lift(const std::vector<Eigen::Vector2d>& ring, std::vector<Eigen::Vector3d>& lifted) const {
+    lifted.clear();
     lifted.reserve(ring.size());
     for (const auto& p : ring) lifted.push_back(projection_.lift(p));
-    return lifted;
   }
 
   const BeamGrid& grid_;
@@ -170,12 +169,14 @@ std::vector<PlanarPolygon> extractPolygons(const BeamGrid& grid, const LabelImag
                                            const std::vector<PlanarRegion>& regions, const PolygonOptions& options,
                                            int threads) {
   PolygonMemory memory;
-  return extractPolygons(grid, labels, labelRuns(labels), regions, options, memory, threads);
+  std::vector<PlanarPolygon> polygons;
+  extractPolygons(grid, labels, labelRuns(labels), regions, options, memory, polygons, threads);
+  return polygons;
 }
 
-std::vector<PlanarPolygon> extractPolygons(const BeamGrid& grid, const LabelImage& labels, const std::vector<LabelRun>& runs,
-                                           const std::vector<PlanarRegion>& regions, const PolygonOptions& options,
-                                           PolygonMemory& memory, int threads) {
+void extractPolygons(const BeamGrid& grid, const LabelImage& labels, const std::vector<LabelRun>& runs,
+                     const std::vector<PlanarRegion>& regions, const PolygonOptions& options, PolygonMemory& memory,
+                     std::vector<PlanarPolygon>& polygons, int threads) {
   if (labels.rows != grid.rows || labels.cols != grid.cols || labels.labels.size() != grid.range.size()) {
     throw std::invalid_argument("label image of " + std::to_string(labels.rows) + " x " + std::to_string(labels.cols) +
                                 " pixels does not fit the grid of " + std::to_string(grid.rows) + " x " +
@@ -190,7 +191,7 @@ std::vector<PlanarPolygon> extractPolygons(const BeamGrid& grid, const LabelImag
     if (first.label != second.label) return first.label < second.label;
     return first.pixels != second.pixels ? first.pixels > second.pixels : a.first < b.first;
   });
-  std::vector<std::vector<PlanarPolygon>>& of_region = memory.of_region;
+  std::vector<KeptList<PlanarPolygon>>& of_region = memory.of_region;
   of_region.resize(std::max(of_region.size(), regions.size()));
   forEachPart(threads, static_cast<int>(regions.size()), memory.of_thread, [&](int k, OutlineMemory& scratch) {
     const PlanarRegion& region = regions[k];
@@ -201,20 +202,17 @@ std::vector<PlanarPolygon> extractPolygons(const BeamGrid& grid, const LabelImag
       if (first || piece->outer().pixels >= options.min_hole_size) outliner.add(memory.contours.corners, *piece, 0);
     }
     of_region[k].clear();
-    outliner.moveTo(region.id, of_region[k]);
+    outliner.liftTo(region.id, of_region[k]);
   });
   std::size_t count = 0;
   for (std::size_t k = 0; k < regions.size(); ++k) count += of_region[k].size();
-  std::vector<PlanarPolygon> polygons;
-  polygons.reserve(count);
-  for (std::size_t k = 0; k < regions.size(); ++k) {
-    std::move(of_region[k].begin(), of_region[k].end(), std::back_inserter(polygons));
-  }
+  polygons.resize(count);
+  auto next = polygons.begin();
+  for (std::size_t k = 0; k < regions.size(); ++k) next = std::copy(of_region[k].begin(), of_region[k].end(), next);
   if (options.snap_creases) {
     snapCreases(grid, labels, regions, std::max(0.0, options.simplification_tolerance),
                 std::max(0.0, options.pixel_tolerance), polygons);
   }
-  return polygons;
 }
 
 }  // namespace ppc

@@ -21,7 +21,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace ppc {
 namespace {
@@ -84,11 +83,13 @@ void addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, const Coplan
 
 LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vector<StageTime>* stages) {
   ClusteringMemory memory;
-  return clusterPatches(grid, config, memory, stages);
+  LabelImage labels;
+  clusterPatches(grid, config, memory, labels, stages);
+  return labels;
 }
 
-LabelImage clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMemory& memory,
-                          std::vector<StageTime>* stages) {
+void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMemory& memory, LabelImage& labels,
+                    std::vector<StageTime>* stages) {
   StageTimer timer(stages);
   const LineErrors line_errors =
       config.noise_aware ? estimateLineErrors(measured, memory.lines, config.threads) : LineErrors();
@@ -127,7 +128,6 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
   } else {
     labelPlanes(shares, planes);
   }
-  LabelImage labels;
   patchLabels(grid, patches, shares, memory.patch_rows, labels, config.threads);
   std::vector<char>& changed = memory.changed;
   const auto update = [&] {
@@ -168,17 +168,17 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
   timer.lap("components");
   planarNames(grid, noise, tolerance, config.max_turn, pieces.runs, memory.curvature, pieces.names, config.threads);
   timer.lap("curvature");
-  if (config.refine && config.settle_borders) {
+  const bool settle = config.refine && config.settle_borders;
+  if (settle) {
     settleBorders(grid, patches, shares, planes, noise, tolerance, pieces, smallestRegion(config, grid.size()), gap_rows,
                   gap_cols, memory.borders, labels, memory.settled, config.threads);
-    std::swap(pieces.whole, memory.settled);
     timer.lap("borders");
   } else {
     paintRuns(pieces.runs, pieces.names, labels);
   }
   std::vector<Eigen::Vector3d>& piece_planes = memory.piece_planes;
   piece_planes.clear();
-  for (const std::int32_t label : pieces.whole) piece_planes.push_back(planes[label]);
+  for (const std::int32_t label : settle ? memory.settled : pieces.whole) piece_planes.push_back(planes[label]);
   if (config.fill_holes) {
     fillHoles(grid, piece_planes, patches.center, noise, tolerance, smallestRegion(config, grid.size()), memory.holes,
               labels, config.threads);
@@ -190,44 +190,36 @@ LabelImage clusterPatches(const BeamGrid& measured, const Config& config, Cluste
                  memory.creases, labels, config.threads);
     timer.lap("creases");
   }
-  return labels;
 }
 
 Segmentation segment(const BeamGrid& grid, const Config& config) {
   ClusteringMemory memory;
-  return segment(grid, config, memory);
-}
-
-Segmentation segment(const BeamGrid& grid, const Config& config, ClusteringMemory& memory) {
-  std::vector<StageTime> stages;
-  LabelImage labels = clusterPatches(grid, config, memory, &stages);
-  return finishSegmentation(grid, std::move(labels), config, std::move(stages), memory.finishing);
-}
-
-Segmentation finishSegmentation(const BeamGrid& grid, LabelImage labels, const Config& config,
-                                std::vector<StageTime> stages) {
-  FinishingMemory memory;
-  return finishSegmentation(grid, std::move(labels), config, std::move(stages), memory);
-}
-
-Segmentation finishSegmentation(const BeamGrid& grid, LabelImage labels, const Config& config, std::vector<StageTime> stages,
-                                FinishingMemory& memory) {
   Segmentation result;
-  result.stages = std::move(stages);
+  segment(grid, config, memory, result);
+  return result;
+}
+
+void segment(const BeamGrid& grid, const Config& config, ClusteringMemory& memory, Segmentation& result) {
+  result.stages.clear();
+  clusterPatches(grid, config, memory, result.labels, &result.stages);
+  finishSegmentation(grid, config, memory.finishing, result);
+}
+
+void finishSegmentation(const BeamGrid& grid, const Config& config, FinishingMemory& memory, Segmentation& result) {
+  LabelImage& labels = result.labels;
   StageTimer timer(&result.stages);
   std::vector<LabelRun>& runs = memory.runs;
   renumberBySize(grid, smallestRegion(config, grid.size()), labels, &runs, &result.valid_points);
   result.regions = describeRegions(grid, runs, config.threads);
   timer.lap("statistics");
-  result.polygons = extractPolygons(grid, labels, runs, result.regions, config.polygons, memory.polygons, config.threads);
+  extractPolygons(grid, labels, runs, result.regions, config.polygons, memory.polygons, result.polygons, config.threads);
   timer.lap("polygons");
+  result.regions_without_polygon = 0;
   for (const PlanarRegion& region : result.regions) {
     bool found = false;
     for (const PlanarPolygon& polygon : result.polygons) found = found || polygon.id == region.id;
     result.regions_without_polygon += found ? 0 : 1;
   }
-  result.labels = std::move(labels);
-  return result;
 }
 
 }  // namespace ppc

@@ -37,7 +37,7 @@ void MessageSegmenter::start(const Arrival& arrival, const Config& config) {
                                 std::to_string(grid_.rows) + " x " + std::to_string(grid_.cols) + ")");
   }
   const std::chrono::duration<double, std::milli> conversion = Arrival::Clock::now() - begin;
-  segmentation_ = segmentWith(*method_, grid_, config);
+  method_->segment(grid_, config, segmentation_);
   segmentation_.stages.insert(segmentation_.stages.begin(), {"message", conversion.count()});
 }
 

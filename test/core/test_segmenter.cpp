@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <algorithm>
 #include <array>
+#include <string>
 
 namespace ppc {
 namespace {
@@ -376,9 +377,34 @@ TEST(Segmenter, DropsRegionsBelowTheMinimumSize) {
   EXPECT_EQ(countOf(one.labels, 2), 0);
 }
 
+// Bit for bit: labels, planes, covariances, polygons.
+void expectSame(const Segmentation& found, const Segmentation& expected) {
+  EXPECT_EQ(found.labels.rows, expected.labels.rows);
+  EXPECT_EQ(found.labels.cols, expected.labels.cols);
+  EXPECT_EQ(found.labels.labels, expected.labels.labels);
+  EXPECT_EQ(found.valid_points, expected.valid_points);
+  EXPECT_EQ(found.regions_without_polygon, expected.regions_without_polygon);
+  EXPECT_EQ(found.stages.size(), expected.stages.size());
+  ASSERT_EQ(found.regions.size(), expected.regions.size());
+  for (std::size_t k = 0; k < expected.regions.size(); ++k) {
+    EXPECT_EQ(found.regions[k].plane.normal, expected.regions[k].plane.normal);
+    EXPECT_EQ(found.regions[k].plane.d, expected.regions[k].plane.d);
+    EXPECT_EQ(found.regions[k].covariance, expected.regions[k].covariance);
+    EXPECT_EQ(found.regions[k].rms, expected.regions[k].rms);
+  }
+  ASSERT_EQ(found.polygons.size(), expected.polygons.size());
+  for (std::size_t k = 0; k < expected.polygons.size(); ++k) {
+    EXPECT_EQ(found.polygons[k].id, expected.polygons[k].id);
+    EXPECT_EQ(found.polygons[k].outer, expected.polygons[k].outer);
+    EXPECT_EQ(found.polygons[k].holes, expected.polygons[k].holes);
+    EXPECT_EQ(found.polygons[k].area, expected.polygons[k].area);
+  }
+}
+
 // Images of other sizes and with other settings in between leave nothing behind.
 TEST(Segmenter, MemoryOfOneImageDoesNotChangeTheNext) {
   ClusteringMemory memory;
+  Segmentation result;
   for (const auto& [rows, cols, patch_size] :
        std::vector<std::array<int, 3>>{{120, 160, 4}, {200, 240, 4}, {200, 240, 6}, {7, 9, 4}, {1, 50, 3}, {120, 160, 4}}) {
     BeamGrid grid = forwardBeams(rows, cols, 0.004);
@@ -387,12 +413,12 @@ TEST(Segmenter, MemoryOfOneImageDoesNotChangeTheNext) {
     Config config;
     config.patch_size = patch_size;
     config.threads = patch_size == 6 ? 2 : 1;
-    EXPECT_EQ(clusterPatches(grid, config, memory, nullptr).labels, clusterPatches(grid, config).labels)
-        << rows << " x " << cols;
+    segment(grid, config, memory, result);
+    SCOPED_TRACE(std::to_string(rows) + " x " + std::to_string(cols));
+    expectSame(result, segment(grid, config));
   }
 }
 
-// Bit for bit: labels, planes, covariances, polygons.
 TEST(Segmenter, DoesNotDependOnTheNumberOfThreads) {
   BeamGrid grid = forwardBeams(200, 240, 0.004);
   scan({wall({-1.0, 0.1, 0.0}, -3.0), wall({0.0, -1.0, 0.0}, -0.8), wall({0.0, 0.0, 1.0}, -0.6),
@@ -404,20 +430,8 @@ TEST(Segmenter, DoesNotDependOnTheNumberOfThreads) {
   EXPECT_GE(one.regions.size(), 3U);
   for (const int threads : {2, 4, 7}) {
     config.threads = threads;
-    const Segmentation many = segment(grid, config);
-    EXPECT_EQ(many.labels.labels, one.labels.labels) << threads;
-    ASSERT_EQ(many.regions.size(), one.regions.size());
-    for (std::size_t k = 0; k < one.regions.size(); ++k) {
-      EXPECT_EQ(many.regions[k].plane.normal, one.regions[k].plane.normal);
-      EXPECT_EQ(many.regions[k].plane.d, one.regions[k].plane.d);
-      EXPECT_EQ(many.regions[k].covariance, one.regions[k].covariance);
-      EXPECT_EQ(many.regions[k].rms, one.regions[k].rms);
-    }
-    ASSERT_EQ(many.polygons.size(), one.polygons.size());
-    for (std::size_t k = 0; k < one.polygons.size(); ++k) {
-      EXPECT_EQ(many.polygons[k].outer, one.polygons[k].outer);
-      EXPECT_EQ(many.polygons[k].holes, one.polygons[k].holes);
-    }
+    SCOPED_TRACE(std::to_string(threads) + " threads");
+    expectSame(segment(grid, config), one);
   }
 }
 

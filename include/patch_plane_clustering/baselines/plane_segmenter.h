@@ -27,6 +27,9 @@ class PlaneSegmenter {
   /// Labels 1..N in any order, 0 = none. Stage times are appended if asked for. Not thread-safe on one object.
   virtual LabelImage label(const BeamGrid& grid, const Config& config, std::vector<StageTime>* stages) = 0;
 
+  /// Labels, then region statistics and polygons (finishSegmentation). @param result overwritten; its memory is used again.
+  virtual void segment(const BeamGrid& grid, const Config& config, Segmentation& result);
+
   /// Parameters of the method's own; PPC has none, all of its are in Config.
   const std::vector<MethodParameter>& parameters() const { return parameters_; }
 
@@ -49,7 +52,7 @@ const std::vector<std::string>& segmenterNames();
 /// @brief Makes a method by name. @throws std::invalid_argument listing the known names.
 std::unique_ptr<PlaneSegmenter> makeSegmenter(const std::string& name);
 
-/// @brief Labels by `method`, then region statistics and polygons (finishSegmentation).
+/// @brief The result of PlaneSegmenter::segment() in memory of its own.
 Segmentation segmentWith(PlaneSegmenter& method, const BeamGrid& grid, const Config& config);
 
 }  // namespace ppc

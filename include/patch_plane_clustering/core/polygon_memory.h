@@ -2,9 +2,11 @@
 #pragma once
 
 #include "patch_plane_clustering/core/contours.h"
+#include "patch_plane_clustering/core/kept_list.h"
 #include "patch_plane_clustering/core/piece_split.h"
 #include "patch_plane_clustering/core/polygon_piece.h"
 #include "patch_plane_clustering/core/ring_loops.h"
+#include "patch_plane_clustering/core/segmentation.h"
 
 #include <cstddef>
 #include <vector>
@@ -34,7 +36,7 @@ struct PolygonMemory {
   PixelContours contours;
   PixelPieces pieces;
   std::vector<OutlineMemory> of_thread;
-  std::vector<std::vector<PlanarPolygon>> of_region;
+  std::vector<KeptList<PlanarPolygon>> of_region;
 };
 
 }  // namespace ppc

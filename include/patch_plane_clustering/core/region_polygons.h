@@ -37,9 +37,9 @@ std::vector<PlanarPolygon> extractPolygons(const BeamGrid& grid, const LabelImag
                                            const std::vector<PlanarRegion>& regions, const PolygonOptions& options,
                                            int threads = 1);
 
-/// @brief The same with memory. @param runs of the labels.
-std::vector<PlanarPolygon> extractPolygons(const BeamGrid& grid, const LabelImage& labels, const std::vector<LabelRun>& runs,
-                                           const std::vector<PlanarRegion>& regions, const PolygonOptions& options,
-                                           PolygonMemory& memory, int threads = 1);
+/// @brief The same with memory. @param runs of the labels. @param polygons overwritten; what it holds is used again, too.
+void extractPolygons(const BeamGrid& grid, const LabelImage& labels, const std::vector<LabelRun>& runs,
+                     const std::vector<PlanarRegion>& regions, const PolygonOptions& options, PolygonMemory& memory,
+                     std::vector<PlanarPolygon>& polygons, int threads = 1);
 
 }  // namespace ppc

@@ -28,7 +28,7 @@ struct FinishingMemory {
 };
 
 /// @brief Working memory of clusterPatches() and segment(). Given to one image after the other, it spares them asking the
-/// system for megabytes each; it carries nothing else from one to the next.
+/// system for anything, so far as they are of one size and kind; it carries nothing else from one to the next.
 struct ClusteringMemory {
   LineErrorMemory lines;
   BeamGrid corrected;  ///< the image without errors of whole lines
@@ -61,17 +61,17 @@ struct ClusteringMemory {
 /// image). Deterministic: same grid and config, same labels.
 /// @param stages if given, the time of each stage is appended.
 LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vector<StageTime>* stages = nullptr);
-LabelImage clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMemory& memory,
-                          std::vector<StageTime>* stages);
+/// @brief The same with memory. @param labels overwritten; its memory is used again, too.
+void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMemory& memory, LabelImage& labels,
+                    std::vector<StageTime>* stages);
 
 /// @brief The whole pipeline: labels, region statistics, polygons.
 Segmentation segment(const BeamGrid& grid, const Config& config);
-Segmentation segment(const BeamGrid& grid, const Config& config, ClusteringMemory& memory);
+/// @brief The same with memory. @param result overwritten; its memory is used again, too.
+void segment(const BeamGrid& grid, const Config& config, ClusteringMemory& memory, Segmentation& result);
 
 /// @brief The steps that every method shares once it has labels: small regions dropped, ids by size, planes, polygons.
-Segmentation finishSegmentation(const BeamGrid& grid, LabelImage labels, const Config& config,
-                                std::vector<StageTime> stages);
-Segmentation finishSegmentation(const BeamGrid& grid, LabelImage labels, const Config& config, std::vector<StageTime> stages,
-                                FinishingMemory& memory);
+/// @param result with the labels and the stages up to them; the rest is overwritten, and its memory used again.
+void finishSegmentation(const BeamGrid& grid, const Config& config, FinishingMemory& memory, Segmentation& result);
 
 }  // namespace ppc

@@ -46,10 +46,14 @@ std::vector<StageTime> medianStages(const std::vector<std::vector<StageTime>>& r
 void segmentImage(const SegmentOptions& options, const Config& config, PlaneSegmenter& method, const BeamGrid& grid,
                   const ImageSource& source, int index, bool several) {
   Segmentation result = segmentWith(method, grid, config);
-  if (options.repeat > 1) {  // the run above was the warm-up
+  if (options.repeat > 1) {  // the run above was a warm-up
     std::vector<std::vector<StageTime>> runs;
     runs.reserve(static_cast<std::size_t>(options.repeat));
-    for (int i = 0; i < options.repeat; ++i) runs.push_back(segmentWith(method, grid, config).stages);
+    Segmentation again;  // in memory that is kept, as by the nodelet
+    for (int i = 0; i < options.repeat; ++i) {
+      method.segment(grid, config, again);
+      runs.push_back(again.stages);
+    }
     result.stages = medianStages(runs);
   }
   if (!options.labels.empty()) writeImage(numbered(options.labels, index, several), labelPicture(result.labels));
