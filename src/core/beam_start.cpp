@@ -28,23 +28,26 @@ constexpr double kRounding = 1e-5;              // of the range, in single preci
 constexpr double kEdgeOn = 30.0;                // times as far off the plane along the beams as off that across
 constexpr double kExact = 1e-4;                 // of the range: errors that do not matter
 
-std::vector<PixelBlock> sampleOf(const std::vector<PixelBlock>& blocks) {
+// Fills the sample. @return whether it is all of the region.
+bool takeSample(const PixelBlock* begin, const PixelBlock* end, std::vector<PixelBlock>& sample) {
   long long pixels = 0;
-  for (const PixelBlock& block : blocks) pixels += block.end - block.begin;
-  if (pixels <= kSample) return blocks;
-  std::vector<PixelBlock> sample;
+  for (const PixelBlock* block = begin; block != end; ++block) pixels += block->end - block->begin;
+  if (pixels <= kSample) {
+    sample.assign(begin, end);
+    return true;
+  }
   constexpr int kRuns = kSample / kSampleRun;
-  sample.reserve(kRuns);
+  sample.clear();
   long long before = 0, taken = 0, next = 0;
-  for (const PixelBlock& block : blocks) {
-    const int length = block.end - block.begin;
+  for (const PixelBlock* block = begin; block != end; ++block) {
+    const int length = block->end - block->begin;
     for (; next < before + length; next = ++taken * pixels / kRuns) {
-      const int begin = block.begin + static_cast<int>(next - before);
-      sample.push_back({begin, std::min(begin + kSampleRun, block.end)});
+      const int first = block->begin + static_cast<int>(next - before);
+      sample.push_back({first, std::min(first + kSampleRun, block->end)});
     }
     before += length;
   }
-  return sample;
+  return false;
 }
 
 int firstValid(const BeamGrid& grid, const std::vector<PixelBlock>& blocks) {
@@ -64,12 +67,12 @@ double medianOf(std::vector<float>& values) {
 }
 
 // One standard deviation of the errors, as sumBeams() weighs them, told from the median of every other four [m].
-double errorOf(const BeamGrid& grid, const std::vector<PixelBlock>& blocks, const Plane& plane, double softness) {
+double errorOf(const BeamGrid& grid, const std::vector<PixelBlock>& blocks, const Plane& plane, double softness,
+               std::vector<float>& squares) {
   const Lanes nx = fill(static_cast<float>(plane.normal.x())), ny = fill(static_cast<float>(plane.normal.y())),
               nz = fill(static_cast<float>(plane.normal.z())), d = fill(static_cast<float>(plane.d)),
               soft = fill(static_cast<float>(softness)), whole = fill(static_cast<float>(1.0 + softness));
-  std::vector<float> squares;
-  squares.reserve(kSample);
+  squares.clear();
   for (const PixelBlock& block : blocks) {
     for (int i = block.begin; i < block.end; i += 2 * kLanes) {
       const BeamLanes beam(grid, i, block.end - i);
@@ -85,9 +88,8 @@ double errorOf(const BeamGrid& grid, const std::vector<PixelBlock>& blocks, cons
 }
 
 // One standard deviation of the noise of the ranges, told from the second differences of neighbours in a row [m].
-std::optional<double> noiseOf(const BeamGrid& grid, const std::vector<PixelBlock>& blocks) {
-  std::vector<float> differences;
-  differences.reserve(kSample);
+std::optional<double> noiseOf(const BeamGrid& grid, const std::vector<PixelBlock>& blocks, std::vector<float>& differences) {
+  differences.clear();
   for (const PixelBlock& block : blocks) {
     for (int i = block.begin + 1; i + 1 < block.end; i += kDifferenceStep) {
       if (!grid.valid(i - 1) || !grid.valid(i) || !grid.valid(i + 1)) continue;
@@ -101,8 +103,8 @@ std::optional<double> noiseOf(const BeamGrid& grid, const std::vector<PixelBlock
 // Fits the sample of a region.
 class Starter {
  public:
-  Starter(const BeamGrid& grid, const std::vector<PixelBlock>& blocks)
-      : grid_(grid), sample_(sampleOf(blocks)), is_region_(sample_.size() == blocks.size()) {}
+  Starter(const BeamGrid& grid, const PixelBlock* begin, const PixelBlock* end, BeamStartMemory& memory)
+      : grid_(grid), sample_(memory.sample), values_(memory.values), is_region_(takeSample(begin, end, memory.sample)) {}
 
   BeamStart find() {
     for (const PixelBlock& block : sample_) {  // runs are far apart: all are fetched at a time
@@ -137,7 +139,7 @@ class Starter {
     return sumBeams(grid_, sample_.data(), sample_.data() + sample_.size(), start_.frame, weights, start_.scale);
   }
 
-  double error() const { return errorOf(grid_, sample_, start_.frame.plane(), start_.scale.softness); }
+  double error() const { return errorOf(grid_, sample_, start_.frame.plane(), start_.scale.softness, values_); }
 
   bool moveTo(const Plane& plane) {
     if (!plane.normal.allFinite() || !std::isfinite(plane.d) || !(plane.normal.dot(towards_) > 0.0)) return false;
@@ -163,7 +165,7 @@ class Starter {
   bool soften() {
     const BeamSums sums = sum(BeamWeights::kNear);
     const double error_along = std::sqrt(sums.whh / std::max(1, sums.kept));
-    const double noise = std::sqrt(error_along * noiseOf(grid_, sample_).value_or(error_along));
+    const double noise = std::sqrt(error_along * noiseOf(grid_, sample_, values_).value_or(error_along));
     const double across = std::clamp(noise, kLeastAcross, kAcross);
     start_.scale.softness = std::min(kMaxSoftness, across * across / (noise * noise));
     return settle(BeamWeights::kNear, kMaxSteps);
@@ -176,7 +178,8 @@ class Starter {
   }
 
   const BeamGrid& grid_;
-  std::vector<PixelBlock> sample_;
+  const std::vector<PixelBlock>& sample_;
+  std::vector<float>& values_;
   bool is_region_;  // all of it
   BeamStart start_;
   Eigen::Vector3d centroid_, towards_;
@@ -185,6 +188,8 @@ class Starter {
 
 }  // namespace
 
-BeamStart startOf(const BeamGrid& grid, const std::vector<PixelBlock>& blocks) { return Starter(grid, blocks).find(); }
+BeamStart startOf(const BeamGrid& grid, const PixelBlock* begin, const PixelBlock* end, BeamStartMemory& memory) {
+  return Starter(grid, begin, end, memory).find();
+}
 
 }  // namespace ppc

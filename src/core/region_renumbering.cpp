@@ -34,26 +34,33 @@ int clearUnmeasured(const BeamGrid& grid, LabelImage& labels, std::vector<LabelR
 
 }  // namespace
 
-int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels, std::vector<LabelRun>* runs_out,
-                   int* valid_points) {
-  std::vector<LabelRun> own;
-  std::vector<LabelRun>& runs = runs_out != nullptr ? *runs_out : own;
+int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels) {
+  RenumberingMemory memory;
+  std::vector<LabelRun> runs;
+  int valid_points = 0;
+  return renumberBySize(grid, min_size, memory, labels, runs, valid_points);
+}
+
+int renumberBySize(const BeamGrid& grid, int min_size, RenumberingMemory& memory, LabelImage& labels,
+                   std::vector<LabelRun>& runs, int& valid_points) {
   runs.clear();
-  const int valid = clearUnmeasured(grid, labels, runs);
-  if (valid_points != nullptr) *valid_points = valid;
-  const std::int32_t highest = highestLabel(runs);
-  std::vector<int> count(static_cast<std::size_t>(highest) + 1, 0);
-  std::vector<int> first(count.size(), grid.size());
+  valid_points = clearUnmeasured(grid, labels, runs);
+  const auto highest = static_cast<std::size_t>(highestLabel(runs));
+  std::vector<int>&count = memory.count, &first = memory.first;
+  count.assign(highest + 1, 0);
+  first.assign(highest + 1, grid.size());
   for (const LabelRun& run : runs) {
     count[run.label] += run.end - run.begin;
     first[run.label] = std::min(first[run.label], run.begin);
   }
-  std::vector<std::int32_t> order(static_cast<std::size_t>(highest));
+  std::vector<std::int32_t>& order = memory.order;
+  order.resize(highest);
   std::iota(order.begin(), order.end(), 1);
   std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
     return count[a] != count[b] ? count[a] > count[b] : first[a] < first[b];
   });
-  std::vector<std::int32_t> renamed(count.size(), 0);
+  std::vector<std::int32_t>& renamed = memory.renamed;
+  renamed.assign(highest + 1, 0);
   int n = 0;
   for (const std::int32_t label : order) {
     if (count[label] >= std::max(1, min_size)) renamed[label] = ++n;

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/region_statistics.h"
 
-#include "patch_plane_clustering/core/across_fit.h"
-#include "patch_plane_clustering/core/beam_fit.h"
-#include "patch_plane_clustering/core/beam_start.h"
 #include "patch_plane_clustering/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 namespace ppc {
@@ -19,42 +17,40 @@ constexpr int kMaxPasses = 3;
 // Of a step: what is linear near the start no longer is. Gain as a share of the squares, and change of the incidence.
 constexpr double kFarStep = 0.02, kFarTurn = 0.05;
 
-using Blocks = std::vector<PixelBlock>;
+using Chunk = RegionMemory::Chunk;
+using Stage = RegionMemory::Stage;
 
-// Some blocks of one region: what a thread takes at a time, as one region may have most of the image.
-struct Chunk {
-  std::size_t id;
-  const PixelBlock *begin, *end;
-};
-
-// How far the fit of a region is.
-enum class Stage { kAlong, kAcross, kDone };
-
-std::vector<Blocks> blocksOf(const std::vector<LabelRun>& runs) {
-  std::vector<Blocks> blocks(static_cast<std::size_t>(highestLabel(runs)) + 1);
-  std::vector<std::size_t> count(blocks.size(), 0);
-  for (const LabelRun& run : runs) count[run.label] += static_cast<std::size_t>((run.end - run.begin + kBlock - 1) / kBlock);
-  for (std::size_t id = 0; id < blocks.size(); ++id) blocks[id].reserve(count[id]);
+// Lists the blocks, label by label.
+void listBlocks(const std::vector<LabelRun>& runs, RegionMemory& memory) {
+  std::vector<std::size_t>& begin = memory.blocks_begin;
+  begin.assign(static_cast<std::size_t>(highestLabel(runs)) + 2, 0);
   for (const LabelRun& run : runs) {
-    for (int at = run.begin; at < run.end; at += kBlock) blocks[run.label].push_back({at, std::min(at + kBlock, run.end)});
+    begin[run.label + 1] += static_cast<std::size_t>((run.end - run.begin + kBlock - 1) / kBlock);
   }
-  return blocks;
+  for (std::size_t label = 1; label < begin.size(); ++label) begin[label] += begin[label - 1];
+  memory.blocks.resize(begin.back());
+  for (const LabelRun& run : runs) {  // begin[label] moves to the label's end, which is the next one's begin
+    for (int at = run.begin; at < run.end; at += kBlock) {
+      memory.blocks[begin[run.label]++] = {at, std::min(at + kBlock, run.end)};
+    }
+  }
+  std::rotate(begin.begin(), begin.end() - 1, begin.end());
+  begin.front() = 0;
 }
 
 class RegionFitter {
  public:
-  RegionFitter(const BeamGrid& grid, const std::vector<Blocks>& blocks, int threads)
-      : grid_(grid),
-        blocks_(blocks),
-        threads_(threads),
-        stages_(blocks.size(), Stage::kAcross),
-        starts_(blocks.size()),
-        regions_(blocks.size()) {
-    forEachPart(threads, static_cast<int>(blocks.size()), [&](int id) {
-      starts_[id] = startOf(grid, blocks[id]);
+  RegionFitter(const BeamGrid& grid, RegionMemory& memory, std::vector<PlanarRegion>& regions, int threads)
+      : grid_(grid), memory_(memory), stages_(memory.stages), starts_(memory.starts), regions_(regions), threads_(threads) {
+    const std::size_t labels = memory.blocks_begin.size() - 1;
+    stages_.assign(labels, Stage::kAcross);
+    starts_.resize(labels);
+    regions_.assign(labels, PlanarRegion());
+    forEachPart(threads, static_cast<int>(labels), memory.threads, [&](int id, BeamStartMemory& start) {
+      starts_[id] = startOf(grid, blocksBegin(id), blocksEnd(id), start);
       regions_[id].id = id;
     });
-    for (std::size_t id = 0; id < blocks.size(); ++id) {
+    for (std::size_t id = 0; id < labels; ++id) {
       if (starts_[id].along) stages_[id] = Stage::kAlong;
     }
   }
@@ -63,68 +59,78 @@ class RegionFitter {
   // sample told little of the plane.
   void fitAlongBeams() {
     for (int pass = 1; pass <= kMaxPasses; ++pass) {
-      const std::vector<BeamSums> sums = sumAlong(Stage::kAlong);
-      for (std::size_t id = 0; id < sums.size(); ++id) {
-        if (stages_[id] == Stage::kAlong) step(id, sums[id], pass == kMaxPasses);
+      if (!sumAlong(Stage::kAlong)) return;
+      for (std::size_t id = 0; id < stages_.size(); ++id) {
+        if (stages_[id] == Stage::kAlong) step(id, memory_.beam_sums[id], pass == kMaxPasses);
       }
     }
   }
 
   // Regions whose beams did not tell the plane.
   void fitAcrossBeams() {
-    std::vector<Eigen::Vector3d> origins(blocks_.size(), Eigen::Vector3d::Zero());
-    for (std::size_t id = 0; id < blocks_.size(); ++id) {
-      if (stages_[id] == Stage::kAcross) origins[id] = originOf(blocks_[id]);
+    std::vector<Eigen::Vector3d>& origins = memory_.origins;
+    origins.assign(stages_.size(), Eigen::Vector3d::Zero());
+    for (std::size_t id = 0; id < stages_.size(); ++id) {
+      if (stages_[id] == Stage::kAcross) origins[id] = originOf(id);
     }
-    const std::vector<PointSums> points = sumChunks<PointSums>(Stage::kAcross, [&](const Chunk& chunk) {
-      PointSums sums;
-      for (const PixelBlock* at = chunk.begin; at != chunk.end; ++at) {
-        addPoints(grid_, at->begin, at->end, origins[chunk.id], sums);
-      }
-      return sums;
-    });
-    for (std::size_t id = 0; id < blocks_.size(); ++id) {
+    const std::vector<PointSums>& points = memory_.point_sums;
+    if (!sumChunks(Stage::kAcross, memory_.point_parts, memory_.point_sums, [&](const Chunk& chunk) {
+          PointSums sums;
+          for (const PixelBlock* at = chunk.begin; at != chunk.end; ++at) {
+            addPoints(grid_, at->begin, at->end, origins[chunk.id], sums);
+          }
+          return sums;
+        })) {
+      return;
+    }
+    for (std::size_t id = 0; id < stages_.size(); ++id) {
       if (stages_[id] != Stage::kAcross || points[id].n < 3) continue;
       regions_[id] = fitAcross(static_cast<std::int32_t>(id), origins[id], points[id]);
       starts_[id].frame = BeamFrame(regions_[id].plane, regions_[id].centroid);
     }
-    const std::vector<BeamSums> beams = sumAlong(Stage::kAcross);  // distances have more digits than eigenvalues
-    for (std::size_t id = 0; id < blocks_.size(); ++id) {
+    sumAlong(Stage::kAcross);  // distances have more digits than eigenvalues
+    for (std::size_t id = 0; id < stages_.size(); ++id) {
       PlanarRegion& region = regions_[id];
       if (stages_[id] != Stage::kAcross || region.points < 3) continue;
-      region.rms = std::sqrt(beams[id].hh / region.points);
-      region.covariance *= beams[id].hh / std::max(1, region.points - 3);
+      const double squares = memory_.beam_sums[id].hh;
+      region.rms = std::sqrt(squares / region.points);
+      region.covariance *= squares / std::max(1, region.points - 3);
     }
   }
 
-  std::vector<PlanarRegion> take() {
+  void dropSmall() {
     regions_.erase(std::remove_if(regions_.begin(), regions_.end(), [](const PlanarRegion& r) { return r.points < 3; }),
                    regions_.end());
-    return std::move(regions_);
   }
 
  private:
+  const PixelBlock* blocksBegin(std::size_t id) const { return memory_.blocks.data() + memory_.blocks_begin[id]; }
+  const PixelBlock* blocksEnd(std::size_t id) const { return blocksBegin(id + 1); }
+
   // Sums over the chunks of every region at a stage, sum(chunk), added up in their order, however many threads there are.
+  // Returns whether there is any.
   template <typename Sums, typename F>
-  std::vector<Sums> sumChunks(Stage stage, F&& sum) const {
-    std::vector<Chunk> chunks;
-    for (std::size_t id = 0; id < blocks_.size(); ++id) {
+  bool sumChunks(Stage stage, std::vector<Sums>& parts, std::vector<Sums>& sums, F&& sum) const {
+    std::vector<Chunk>& chunks = memory_.chunks;
+    chunks.clear();
+    for (std::size_t id = 0; id < stages_.size(); ++id) {
       if (stages_[id] != stage) continue;
-      const PixelBlock* const end = blocks_[id].data() + blocks_[id].size();
-      for (const PixelBlock* at = blocks_[id].data(); at != end;) {
+      const PixelBlock* const end = blocksEnd(id);
+      for (const PixelBlock* at = blocksBegin(id); at != end;) {
         const PixelBlock* const next = at + std::min<std::ptrdiff_t>(kChunkBlocks, end - at);
         chunks.push_back({id, at, next});
         at = next;
       }
     }
-    std::vector<Sums> parts(chunks.size()), sums(blocks_.size());
+    parts.resize(chunks.size());
     forEachPart(threads_, static_cast<int>(chunks.size()), [&](int k) { parts[k] = sum(chunks[k]); });
+    sums.assign(stages_.size(), Sums());
     for (std::size_t k = 0; k < chunks.size(); ++k) sums[chunks[k].id] += parts[k];
-    return sums;
+    return !chunks.empty();
   }
 
-  std::vector<BeamSums> sumAlong(Stage stage) const {
-    return sumChunks<BeamSums>(stage, [&](const Chunk& chunk) {
+  bool sumAlong(Stage stage) const {
+    return sumChunks(stage, memory_.beam_parts, memory_.beam_sums, [&](const Chunk& chunk) {
       const BeamStart& start = starts_[chunk.id];
       return sumBeams(grid_, chunk.begin, chunk.end, start.frame, BeamWeights::kTrimmed, start.scale);
     });
@@ -157,9 +163,9 @@ class RegionFitter {
   }
 
   // The first point of a region; the frame's origin if it has none.
-  Eigen::Vector3d originOf(const Blocks& blocks) const {
-    for (const PixelBlock& block : blocks) {
-      for (int i = block.begin; i < block.end; ++i) {
+  Eigen::Vector3d originOf(std::size_t id) const {
+    for (const PixelBlock* block = blocksBegin(id); block != blocksEnd(id); ++block) {
+      for (int i = block->begin; i < block->end; ++i) {
         if (grid_.valid(i)) return grid_.point(i).cast<double>();
       }
     }
@@ -167,25 +173,29 @@ class RegionFitter {
   }
 
   const BeamGrid& grid_;
-  const std::vector<Blocks>& blocks_;
+  RegionMemory& memory_;
+  std::vector<Stage>& stages_;
+  std::vector<BeamStart>& starts_;
+  std::vector<PlanarRegion>& regions_;
   int threads_;
-  std::vector<Stage> stages_;
-  std::vector<BeamStart> starts_;
-  std::vector<PlanarRegion> regions_;
 };
 
 }  // namespace
 
 std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage& labels, int threads) {
-  return describeRegions(grid, labelRuns(labels), threads);
+  RegionMemory memory;
+  std::vector<PlanarRegion> regions;
+  describeRegions(grid, labelRuns(labels), memory, regions, threads);
+  return regions;
 }
 
-std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const std::vector<LabelRun>& runs, int threads) {
-  const std::vector<Blocks> blocks = blocksOf(runs);
-  RegionFitter fitter(grid, blocks, threads);
+void describeRegions(const BeamGrid& grid, const std::vector<LabelRun>& runs, RegionMemory& memory,
+                     std::vector<PlanarRegion>& regions, int threads) {
+  listBlocks(runs, memory);
+  RegionFitter fitter(grid, memory, regions, threads);
   fitter.fitAlongBeams();
   fitter.fitAcrossBeams();
-  return fitter.take();
+  fitter.dropSmall();
 }
 
 }  // namespace ppc

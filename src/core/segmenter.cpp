@@ -209,8 +209,8 @@ void finishSegmentation(const BeamGrid& grid, const Config& config, FinishingMem
   LabelImage& labels = result.labels;
   StageTimer timer(&result.stages);
   std::vector<LabelRun>& runs = memory.runs;
-  renumberBySize(grid, smallestRegion(config, grid.size()), labels, &runs, &result.valid_points);
-  result.regions = describeRegions(grid, runs, config.threads);
+  renumberBySize(grid, smallestRegion(config, grid.size()), memory.renumbering, labels, runs, result.valid_points);
+  describeRegions(grid, runs, memory.regions, result.regions, config.threads);
   timer.lap("statistics");
   extractPolygons(grid, labels, runs, result.regions, config.polygons, memory.polygons, result.polygons, config.threads);
   timer.lap("polygons");

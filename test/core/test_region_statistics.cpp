@@ -189,9 +189,10 @@ TEST(RegionStatistics, RenumberingIsBySizeThenByPlace) {
   std::fill(grid.range.begin(), grid.range.end(), 1.0F);
   grid.range[11] = std::numeric_limits<float>::quiet_NaN();
   LabelImage labels{2, 6, {7, 7, 4, 4, 4, 4, 2, 2, 9, -5, 0, 4}};
+  RenumberingMemory memory;
   std::vector<LabelRun> runs;
   int valid_points = 0;
-  EXPECT_EQ(renumberBySize(grid, 2, labels, &runs, &valid_points), 3);
+  EXPECT_EQ(renumberBySize(grid, 2, memory, labels, runs, valid_points), 3);
   EXPECT_EQ(valid_points, 11);
   EXPECT_EQ(labels.labels, (std::vector<std::int32_t>{2, 2, 1, 1, 1, 1, 3, 3, 0, 0, 0, 0}));
   testing_tools::expectRunsOf(labels, runs);
@@ -204,8 +205,10 @@ TEST(RegionStatistics, RenumberingListsLongRuns) {
   LabelImage labels{9, 1024, std::vector<std::int32_t>(9 * 1024, 3)};
   std::fill(labels.labels.begin() + 8192, labels.labels.end(), 2);
   for (const int i : {10, 4095, 9000}) grid.range[i] = std::numeric_limits<float>::quiet_NaN();
+  RenumberingMemory memory;
   std::vector<LabelRun> runs{{9, 0, 1}};
-  EXPECT_EQ(renumberBySize(grid, 2, labels, &runs), 2);
+  int valid_points = 0;
+  EXPECT_EQ(renumberBySize(grid, 2, memory, labels, runs, valid_points), 2);
   testing_tools::expectRunsOf(labels, runs);
   EXPECT_EQ(runs.size(), 5U);
 }

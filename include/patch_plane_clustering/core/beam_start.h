@@ -15,12 +15,18 @@ struct BeamStart {
   ErrorScale scale;                                  ///< of the errors; limit: those above it do not count; kNoLimit: all do
 };
 
+/// @brief Working memory of startOf(), which one region after the other may use.
+struct BeamStartMemory {
+  std::vector<PixelBlock> sample;
+  std::vector<float> values;  ///< to be sorted
+};
+
 /// @brief Fits a plane to some hundred points of a region, or all if it has no more: to inverse ranges first, in which
 /// it is linear, however thin the region and however slanted; then along the beams; then for errors that go across the
 /// beams as well, 2.5 mm, beside the noise along them that the region shows; then without points farther off than 2.5
 /// standard deviations, which are told from the median of the errors. Real scans need those across: a thin region seen at a
 /// grazing angle would turn towards the sensor, as regression does whose regressors have errors.
-/// @param blocks of the region, in the order of the pixels.
-BeamStart startOf(const BeamGrid& grid, const std::vector<PixelBlock>& blocks);
+/// @param begin,end blocks of the region, in the order of the pixels.
+BeamStart startOf(const BeamGrid& grid, const PixelBlock* begin, const PixelBlock* end, BeamStartMemory& memory);
 
 }  // namespace ppc

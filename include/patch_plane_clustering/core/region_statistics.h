@@ -1,13 +1,45 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "patch_plane_clustering/core/across_fit.h"
+#include "patch_plane_clustering/core/beam_fit.h"
 #include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/beam_start.h"
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/segmentation.h"
 
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace ppc {
+
+/// @brief Working memory of describeRegions(), which one image after the other may use. By label, if nothing else is said.
+struct RegionMemory {
+  /// How far the fit of a region is.
+  enum class Stage { kAlong, kAcross, kDone };
+  /// Some blocks of one region: what a thread takes at a time, as one region may have most of the image.
+  struct Chunk {
+    std::size_t id;
+    const PixelBlock *begin, *end;
+  };
+
+  std::vector<PixelBlock> blocks;         ///< of all regions, label by label
+  std::vector<std::size_t> blocks_begin;  ///< of each label, and one past the last
+  std::vector<Stage> stages;
+  std::vector<BeamStart> starts;
+  std::vector<Chunk> chunks;                       ///< of the regions at one stage
+  std::vector<BeamSums> beam_parts, beam_sums;     ///< of the chunks, of the labels
+  std::vector<PointSums> point_parts, point_sums;  ///< the same
+  std::vector<Eigen::Vector3d> origins;            ///< which the latter are about
+  std::vector<BeamStartMemory> threads;            ///< one a thread
+};
+
+/// @brief Working memory of renumberBySize(), by the labels as they were.
+struct RenumberingMemory {
+  std::vector<int> count, first;  ///< pixels, and where the first one is
+  std::vector<std::int32_t> order, renamed;
+};
 
 /// @brief Plane, centroid, covariance, point count and rms of every region of a label image, whichever method made the
 /// labels. The plane minimises errors along the beams, where range noise runs, and small ones across them (BeamStart; total
@@ -17,12 +49,16 @@ namespace ppc {
 /// @param labels values 1..N, 0 = none; same size as the grid.
 /// @return one region for each id 1..max that has at least 3 points; in ascending id.
 std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage& labels, int threads = 1);
-std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const std::vector<LabelRun>& runs, int threads = 1);
+/// @brief The same with memory. @param runs of the labels. @param regions overwritten; its memory is used again, too.
+void describeRegions(const BeamGrid& grid, const std::vector<LabelRun>& runs, RegionMemory& memory,
+                     std::vector<PlanarRegion>& regions, int threads = 1);
 
 /// @brief Renumbers labels to 1..N in descending number of pixels (ties: first pixel first) and clears regions of fewer than
-/// `min_size` valid points. @param runs if given, set to those of the new labels, as labelRuns(). @param valid_points if
-/// given, set to the number of pixels with a measurement. @return N.
-int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels, std::vector<LabelRun>* runs = nullptr,
-                   int* valid_points = nullptr);
+/// `min_size` valid points. @return N.
+int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels);
+/// @brief The same with memory. @param runs set to those of the new labels, as labelRuns(). @param valid_points set to the
+/// number of pixels with a measurement.
+int renumberBySize(const BeamGrid& grid, int min_size, RenumberingMemory& memory, LabelImage& labels,
+                   std::vector<LabelRun>& runs, int& valid_points);
 
 }  // namespace ppc

@@ -17,6 +17,7 @@
 #include "patch_plane_clustering/core/polygon_memory.h"
 #include "patch_plane_clustering/core/refinement.h"
 #include "patch_plane_clustering/core/region_merging.h"
+#include "patch_plane_clustering/core/region_statistics.h"
 #include "patch_plane_clustering/core/segmentation.h"
 
 namespace ppc {
@@ -24,6 +25,8 @@ namespace ppc {
 /// @brief Working memory of finishSegmentation(), which one image after the other may use.
 struct FinishingMemory {
   std::vector<LabelRun> runs;
+  RenumberingMemory renumbering;
+  RegionMemory regions;
   PolygonMemory polygons;
 };
 
