@@ -72,7 +72,11 @@ void addMessages() {
     fromMessage(s.message, image);
     toBeamGrid(image, columns, grid);
   });
-  addConversion("point cloud to grid", [](const Segmented& s) { return gridFromCloud(s.cloud); });
+  add("point cloud to grid", [](const Segmented& s, std::vector<StageTime>&) {
+    static CloudCoordinates coordinates;
+    static BeamGrid grid;
+    gridFromCloud(s.cloud, coordinates, grid);
+  });
   addConversion("polygons", [](const Segmented& s) { return toPolygonArray(s.segmentation, s.message.header); });
   addConversion("statistics", [](const Segmented& s) { return toStatistics(s.segmentation, s.message.header); });
   addConversion("labels", [](const Segmented& s) { return toLabelImage(s.segmentation.labels, s.message.header); });

@@ -58,7 +58,9 @@ Frame polygonsFrame(int points) {
 Frame cloudFrame(int points) {
   const auto cloud = std::make_shared<const Cloud>(cloudOf(toBeamGrid(officeImage(points))));
   return [cloud, memory = std::make_shared<Memory>()](std::vector<StageTime>& stages) {
-    const auto make = [&] { memory->grid = beamGridFromPoints(cloud->rows, cloud->cols, cloud->x, cloud->y, cloud->z); };
+    const auto make = [&] {
+      beamGridFromPoints(cloud->rows, cloud->cols, cloud->x, cloud->y, cloud->z, Eigen::Vector3f::Zero(), memory->grid);
+    };
     segmentTimed(timedGrid(make, *memory, stages), *memory, stages);
   };
 }

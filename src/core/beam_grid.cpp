@@ -23,8 +23,8 @@ void resize(BeamGrid& grid, int rows, int cols, bool with_origins) {
 }
 
 // Fills the directions of invalid pixels of one row: linear between the valid neighbours, continued beyond the outermost
-// ones with the step between the two nearest valid beams. Returns false if the row has no valid pixel.
-bool fillRow(BeamGrid& grid, int row) {
+// ones with the step between the two nearest valid beams. A row without any valid pixel stays as it is.
+void fillRow(BeamGrid& grid, int row) {
   int previous = -1;
   const auto set = [&](int col, const Eigen::Vector3f& d, const Eigen::Vector3f& otherwise) {
     const int i = grid.index(row, col);
@@ -53,7 +53,7 @@ bool fillRow(BeamGrid& grid, int row) {
     last = c;
     previous = c;
   }
-  if (first < 0) return false;
+  if (first < 0) return;
   const auto extend = [&](int from, int towards, int col) {
     const Eigen::Vector3f a = grid.direction(grid.index(row, from));
     if (towards < 0) return set(col, a, a);
@@ -64,13 +64,22 @@ bool fillRow(BeamGrid& grid, int row) {
   };
   for (int c = first - 1; c >= 0; --c) extend(first, second, c);
   for (int c = last + 1; c < grid.cols; ++c) extend(last, before_last, c);
-  return true;
 }
+
+// Whether the row has been filled.
+bool hasDirections(const BeamGrid& grid, int row) { return !grid.direction(grid.index(row, 0)).isZero(0.0F); }
 
 }  // namespace
 
 BeamGrid beamGridFromPoints(int rows, int cols, const std::vector<float>& x, const std::vector<float>& y,
                             const std::vector<float>& z, const Eigen::Vector3f& viewpoint) {
+  BeamGrid grid;
+  beamGridFromPoints(rows, cols, x, y, z, viewpoint, grid);
+  return grid;
+}
+
+void beamGridFromPoints(int rows, int cols, const std::vector<float>& x, const std::vector<float>& y,
+                        const std::vector<float>& z, const Eigen::Vector3f& viewpoint, BeamGrid& grid) {
   if (rows <= 0 || cols <= 0) {
     throw std::invalid_argument("cloud is empty (" + std::to_string(rows) + " rows, " + std::to_string(cols) + " columns)");
   }
@@ -79,7 +88,7 @@ BeamGrid beamGridFromPoints(int rows, int cols, const std::vector<float>& x, con
     throw std::invalid_argument("cloud has " + std::to_string(x.size()) +
                                 " points, expected rows x cols = " + std::to_string(n));
   }
-  BeamGrid grid;
+  grid.beams_exact = false;
   const bool shifted = !viewpoint.isZero();
   resize(grid, rows, cols, shifted);
   if (shifted) {
@@ -96,17 +105,16 @@ BeamGrid beamGridFromPoints(int rows, int cols, const std::vector<float>& x, con
     grid.dir_y[i] = p.y() / range;
     grid.dir_z[i] = p.z() / range;
   }
-  std::vector<int> filled;
-  for (int r = 0; r < rows; ++r) {
-    if (fillRow(grid, r)) filled.push_back(r);
-  }
+  for (int r = 0; r < rows; ++r) fillRow(grid, r);
   // A row without any measurement takes its directions from the nearest row that has some.
+  int above = -1, below = 0;
   for (int r = 0; r < rows; ++r) {
-    if (std::binary_search(filled.begin(), filled.end(), r)) continue;
-    const auto after = std::lower_bound(filled.begin(), filled.end(), r);
-    int source = -1;
-    if (after != filled.end()) source = *after;
-    if (after != filled.begin() && (source < 0 || r - *(after - 1) <= source - r)) source = *(after - 1);
+    for (below = std::max(below, r); below < rows && !hasDirections(grid, below);) ++below;
+    if (below == r) {
+      above = r;
+      continue;
+    }
+    const int source = above >= 0 && (below == rows || r - above <= below - r) ? above : below == rows ? -1 : below;
     for (int c = 0; c < cols; ++c) {
       const int i = grid.index(r, c);
       const Eigen::Vector3f d = source < 0 ? Eigen::Vector3f::UnitX() : grid.direction(grid.index(source, c));
@@ -115,7 +123,6 @@ BeamGrid beamGridFromPoints(int rows, int cols, const std::vector<float>& x, con
       grid.dir_z[i] = d.z();
     }
   }
-  return grid;
 }
 
 }  // namespace ppc

@@ -46,7 +46,7 @@ void MessageSegmenter::readGrid(const Arrival& arrival) {
     fromMessage(*arrival.image, image_);
     toBeamGrid(image_, columns_, grid_);
   } else {
-    grid_ = gridFromCloud(*arrival.cloud);
+    gridFromCloud(*arrival.cloud, coordinates_, grid_);
   }
 }
 

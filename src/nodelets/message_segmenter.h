@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/baselines/plane_segmenter.h"
 #include "patch_plane_clustering/ros/messages.h"
+#include "patch_plane_clustering/ros/segmentation_conversions.h"
 
 #include <sensor_msgs/PointCloud2.h>
 #include <chrono>
@@ -47,6 +48,7 @@ class MessageSegmenter {
   std::unique_ptr<PlaneSegmenter> method_;
   RangeImage image_;
   BeamColumns columns_;
+  CloudCoordinates coordinates_;
   BeamGrid grid_;
   Segmentation segmentation_;
   RangeImageMsg::ConstPtr foreseen_;  // null: nothing is foreseen

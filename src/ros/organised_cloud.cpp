@@ -41,8 +41,8 @@ void checkLayout(const PointCloud2& cloud) {
 }
 
 template <typename Number>
-std::vector<float> column(const PointCloud2& cloud, std::uint32_t offset) {
-  std::vector<float> values(std::size_t{cloud.height} * cloud.width);
+void readColumn(const PointCloud2& cloud, std::uint32_t offset, std::vector<float>& values) {
+  values.resize(std::size_t{cloud.height} * cloud.width);
   for (std::size_t row = 0; row < cloud.height; ++row) {
     const std::uint8_t* bytes = cloud.data.data() + row * cloud.row_step + offset;
     for (std::size_t col = 0; col < cloud.width; ++col, bytes += cloud.point_step) {
@@ -51,22 +51,21 @@ std::vector<float> column(const PointCloud2& cloud, std::uint32_t offset) {
       values[row * cloud.width + col] = static_cast<float>(value);
     }
   }
-  return values;
 }
 
-std::vector<float> coordinate(const PointCloud2& cloud, const std::string& name) {
+void readCoordinate(const PointCloud2& cloud, const char* name, std::vector<float>& values) {
   const auto field =
       std::find_if(cloud.fields.begin(), cloud.fields.end(), [&](const PointField& f) { return f.name == name; });
-  if (field == cloud.fields.end()) refuse("it has no field '" + name + "'");
+  if (field == cloud.fields.end()) refuse(std::string("it has no field '") + name + "'");
   const bool wide = field->datatype == PointField::FLOAT64;
   if (!wide && field->datatype != PointField::FLOAT32) {
-    refuse("field '" + name + "' has datatype " + std::to_string(field->datatype) + ", not FLOAT32 or FLOAT64");
+    refuse(std::string("field '") + name + "' has datatype " + std::to_string(field->datatype) + ", not FLOAT32 or FLOAT64");
   }
   if (std::uint64_t{field->offset} + (wide ? 8 : 4) > cloud.point_step) {
-    refuse("field '" + name + "' at offset " + std::to_string(field->offset) +
+    refuse(std::string("field '") + name + "' at offset " + std::to_string(field->offset) +
            " ends beyond point_step = " + std::to_string(cloud.point_step));
   }
-  return wide ? column<double>(cloud, field->offset) : column<float>(cloud, field->offset);
+  wide ? readColumn<double>(cloud, field->offset, values) : readColumn<float>(cloud, field->offset, values);
 }
 
 PointField pointField(const char* name, std::uint32_t offset, std::uint8_t datatype) {
@@ -92,9 +91,19 @@ std::vector<std::uint32_t> packedColors(const LabelImage& labels) {
 }  // namespace
 
 BeamGrid gridFromCloud(const PointCloud2& cloud) {
+  CloudCoordinates coordinates;
+  BeamGrid grid;
+  gridFromCloud(cloud, coordinates, grid);
+  return grid;
+}
+
+void gridFromCloud(const PointCloud2& cloud, CloudCoordinates& coordinates, BeamGrid& grid) {
   checkLayout(cloud);
-  return beamGridFromPoints(static_cast<int>(cloud.height), static_cast<int>(cloud.width), coordinate(cloud, "x"),
-                            coordinate(cloud, "y"), coordinate(cloud, "z"));
+  readCoordinate(cloud, "x", coordinates.x);
+  readCoordinate(cloud, "y", coordinates.y);
+  readCoordinate(cloud, "z", coordinates.z);
+  beamGridFromPoints(static_cast<int>(cloud.height), static_cast<int>(cloud.width), coordinates.x, coordinates.y,
+                     coordinates.z, Eigen::Vector3f::Zero(), grid);
 }
 
 PointCloud2 toSegmentedCloud(const BeamGrid& grid, const LabelImage& labels, const std_msgs::Header& header) {

@@ -156,6 +156,18 @@ TEST(BeamGridFromPoints, RowsAndImagesWithoutPointsHaveDirections) {
   EXPECT_EQ(empty.direction(0), Eigen::Vector3f::UnitX());
 }
 
+TEST(BeamGridFromPoints, RowsWithoutPointsAreLikeTheNearestWithSome) {
+  std::vector<float> x(8, kNaN), y(8, 0.0F), z(8, 0.0F);
+  x[1] = x[6] = 2.0F;
+  z[1] = 1.0F;
+  BeamGrid grid = toBeamGrid(noddingScan(8, 1, -0.1, 0.1, 1.0, {0.1, 0.0, 0.0}));  // of which nothing is left
+  beamGridFromPoints(8, 1, x, y, z, Eigen::Vector3f::Zero(), grid);
+  EXPECT_FALSE(grid.beams_exact);
+  EXPECT_TRUE(grid.origin_x.empty());
+  for (int r = 0; r < 8; ++r) EXPECT_EQ(grid.direction(r), grid.direction(r <= 3 ? 1 : 6)) << r;
+  EXPECT_NE(grid.direction(1), grid.direction(6));
+}
+
 TEST(BeamGridFromPoints, WrongSizesAreRefused) {
   EXPECT_THROW(beamGridFromPoints(0, 4, {}, {}, {}), std::invalid_argument);
   EXPECT_THROW(beamGridFromPoints(1, 2, {1.0F, 2.0F}, {0.0F}, {0.0F, 0.0F}), std::invalid_argument);

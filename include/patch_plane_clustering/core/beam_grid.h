@@ -68,4 +68,8 @@ void toBeamGrid(const RangeImage& image, BeamColumns& columns, BeamGrid& grid);
 BeamGrid beamGridFromPoints(int rows, int cols, const std::vector<float>& x, const std::vector<float>& y,
                             const std::vector<float>& z, const Eigen::Vector3f& viewpoint = Eigen::Vector3f::Zero());
 
+/// @brief The same into a grid that is there, whose memory is used again.
+void beamGridFromPoints(int rows, int cols, const std::vector<float>& x, const std::vector<float>& y,
+                        const std::vector<float>& z, const Eigen::Vector3f& viewpoint, BeamGrid& grid);
+
 }  // namespace ppc

@@ -8,6 +8,7 @@
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <std_msgs/Header.h>
+#include <vector>
 
 namespace ppc {
 
@@ -16,6 +17,14 @@ namespace ppc {
 /// @throws std::invalid_argument naming what is wrong: unorganised (a side of 1), fields missing or of another type, sizes
 /// that do not fit the data, foreign byte order.
 BeamGrid gridFromCloud(const sensor_msgs::PointCloud2& cloud);
+
+/// @brief Coordinates of the points of a cloud.
+struct CloudCoordinates {
+  std::vector<float> x, y, z;
+};
+
+/// @brief The same into a grid that is there, whose memory is used again. @param coordinates overwritten, likewise.
+void gridFromCloud(const sensor_msgs::PointCloud2& cloud, CloudCoordinates& coordinates, BeamGrid& grid);
 
 /// @brief Polygons as a message. Every polygon finds its region by id. @throws std::invalid_argument if it does not.
 PlanarPolygonArray toPolygonArray(const Segmentation& segmentation, const std_msgs::Header& header);
