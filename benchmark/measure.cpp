@@ -21,6 +21,7 @@ void run(benchmark::State& state, int points, const std::function<Frame()>& prep
   const Frame frame = prepare();
   std::vector<StageTime> stages;
   frame(stages);
+  stages.clear();
   const Memory memory = memoryOf([&] { frame(stages); });
 
   std::vector<double> times;
