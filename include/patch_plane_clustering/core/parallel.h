@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "patch_plane_clustering/core/worker_pool.h"
+
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
-#include <future>
+#include <functional>
 #include <vector>
 
 namespace ppc {
 
-/// @brief Calls f(worker) for each worker in [0, workers) (at least one) on a thread of its own, the first on the caller's;
-/// returns when all are done. @throws what f throws (the first one, once all threads have stopped).
+/// @brief Calls f(worker) for each worker in [0, workers) (at least one), each on a thread of its own as far as there are
+/// any (WorkerPool::run()), the first on the caller's; returns when all are done. One worker needs no pool.
+/// @throws what f throws (the first one, once all are done).
 template <typename F>
 void forEachWorker(int workers, const F& f) {
-  std::vector<std::future<void>> others;
-  for (int worker = 1; worker < workers; ++worker) others.push_back(std::async(std::launch::async, f, worker));
-  f(0);
-  for (std::future<void>& other : others) other.get();
+  if (workers <= 1) return f(0);
+  WorkerPool::ofProcess().run(workers, std::cref(f));
 }
 
 /// @brief Calls f(part) once for each part in [0, parts), on up to `threads` threads, the caller's among them; returns when

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace ppc {
+
+/// @brief Threads that stay, for work too short to make threads for it. After some they look out for more for about as long
+/// as it would take to wake them (50 us), then sleep. Thread safe: several threads may call run() at a time, also from
+/// within f.
+class WorkerPool {
+ public:
+  WorkerPool() = default;
+  ~WorkerPool();  ///< Ends the threads; no call may be under way.
+  WorkerPool(const WorkerPool&) = delete;
+  WorkerPool& operator=(const WorkerPool&) = delete;
+
+  /// @brief The one of the process. It has no threads before its first call, and ends them when the process ends or this
+  /// library is unloaded.
+  static WorkerPool& ofProcess();
+
+  /// @brief Calls f(worker) once for each worker in [0, workers) (at least one) and returns when all are done: the first on
+  /// the caller's thread, each of the others on one of the pool's, or on the caller's if none has taken it by the time that
+  /// the caller has no other left. The pool grows to as many threads as the calls under way ask for.
+  /// @throws what f throws (the first one, once all workers are done).
+  void run(int workers, const std::function<void(int)>& f);
+
+ private:
+  struct Call;
+
+  void serve();
+  void grow();
+  void work(Call& call, std::unique_lock<std::mutex>& lock);
+
+  std::mutex mutex_;  // guards all that follows, and the calls
+  std::condition_variable called_, done_;
+  std::vector<Call*> open_;            // calls with workers that no thread has taken, oldest first
+  std::atomic<bool> any_open_{false};  // to look out for without the lock; changed with it, as `ending_`
+  std::atomic<bool> ending_{false};
+  std::size_t wanted_ = 0;        // threads that the calls under way ask for
+  int asleep_ = 0, waiting_ = 0;  // threads of the pool, and callers, that must be woken
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace ppc

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/worker_pool.h"
+
+#include <gtest/gtest.h>
+#include <atomic>
+#include <chrono>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace ppc {
+namespace {
+
+// Calls of each worker, whichever thread they come from.
+class Calls {
+ public:
+  explicit Calls(int workers) : counts_(static_cast<std::size_t>(workers)) {}
+  void add(int worker) { ++counts_.at(static_cast<std::size_t>(worker)); }
+  bool allAre(int expected) const {
+    for (const std::atomic<int>& count : counts_) {
+      if (count != expected) return false;
+    }
+    return true;
+  }
+
+ private:
+  std::vector<std::atomic<int>> counts_;
+};
+
+TEST(WorkerPool, CallsEveryWorkerOnce) {
+  WorkerPool pool;
+  for (const int workers : {1, 2, 3, 8, 2}) {
+    Calls calls(workers);
+    pool.run(workers, [&](int worker) { calls.add(worker); });
+    EXPECT_TRUE(calls.allAre(1)) << workers << " workers";
+  }
+}
+
+TEST(WorkerPool, FirstWorkerIsTheCallersAndThreadsStay) {
+  WorkerPool pool;
+  std::vector<std::thread::id> seen;
+  for (int call = 0; call < 5; ++call) {
+    std::vector<std::thread::id> ids(2);
+    std::atomic<int> arrived{0};
+    pool.run(2, [&](int worker) {
+      ids[static_cast<std::size_t>(worker)] = std::this_thread::get_id();
+      ++arrived;
+      while (arrived < 2) std::this_thread::yield();  // so that no thread takes both
+    });
+    EXPECT_EQ(ids[0], std::this_thread::get_id());
+    seen.push_back(ids[1]);
+  }
+  EXPECT_NE(seen[0], std::this_thread::get_id());
+  EXPECT_EQ(seen, std::vector<std::thread::id>(5, seen[0]));
+}
+
+TEST(WorkerPool, WakesThreadsThatSleep) {
+  WorkerPool pool;
+  for (int call = 0; call < 3; ++call) {
+    std::atomic<int> arrived{0};
+    pool.run(3, [&](int) {
+      ++arrived;
+      while (arrived < 3) std::this_thread::yield();
+    });
+    EXPECT_EQ(arrived, 3);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // far longer than they look out
+  }
+}
+
+TEST(WorkerPool, WaitsForAllAndThenPassesTheExceptionOn) {
+  WorkerPool pool;
+  for (const int thrower : {0, 1, 2}) {
+    std::atomic<int> done{0};
+    const auto f = [&](int worker) {
+      if (worker == thrower) throw std::runtime_error("worker " + std::to_string(worker));
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      ++done;
+    };
+    try {
+      pool.run(3, f);
+      ADD_FAILURE() << "nothing thrown";
+    } catch (const std::runtime_error& error) {
+      EXPECT_EQ(error.what(), "worker " + std::to_string(thrower));
+    }
+    EXPECT_EQ(done, 2);
+  }
+  Calls calls(3);
+  pool.run(3, [&](int worker) { calls.add(worker); });  // still serves
+  EXPECT_TRUE(calls.allAre(1));
+}
+
+TEST(WorkerPool, CallsWithinCalls) {
+  WorkerPool pool;
+  Calls calls(3 * 3 * 3);
+  for (int round = 0; round < 20; ++round) {
+    pool.run(3, [&](int i) { pool.run(3, [&](int j) { pool.run(3, [&](int k) { calls.add((i * 3 + j) * 3 + k); }); }); });
+  }
+  EXPECT_TRUE(calls.allAre(20));
+}
+
+TEST(WorkerPool, SeveralCallersAtATime) {
+  constexpr int kCallers = 4, kRounds = 300;
+  WorkerPool pool;
+  Calls calls(kCallers * 3);
+  std::vector<std::thread> callers;
+  for (int caller = 0; caller < kCallers; ++caller) {
+    callers.emplace_back([&, caller] {
+      for (int round = 0; round < kRounds; ++round) {
+        int written[3] = {0, 0, 0};  // what workers write, the caller sees without more ado
+        pool.run(3, [&](int worker) {
+          calls.add(caller * 3 + worker);
+          written[worker] = round;
+        });
+        EXPECT_EQ(written[0] + written[1] + written[2], 3 * round);
+      }
+    });
+  }
+  for (std::thread& caller : callers) caller.join();
+  EXPECT_TRUE(calls.allAre(kRounds));
+}
+
+TEST(WorkerPool, TwoCallersNeedNotWaitForEachOther) {
+  WorkerPool pool;
+  std::atomic<int> arrived{0};
+  const auto call = [&] {
+    pool.run(2, [&](int) {
+      ++arrived;
+      while (arrived < 4) std::this_thread::yield();  // all four workers at once, or never
+    });
+  };
+  std::thread other(call);
+  call();
+  other.join();
+  EXPECT_EQ(arrived, 4);
+}
+
+TEST(WorkerPool, EndsWhateverItsThreadsAreDoing) {
+  for (int round = 0; round < 50; ++round) {
+    WorkerPool pool;
+    pool.run(4, [](int) {});
+    if (round % 2 == 0) std::this_thread::sleep_for(std::chrono::microseconds(10 * round));  // asleep or looking out
+  }
+}
+
+}  // namespace
+}  // namespace ppc
