@@ -43,8 +43,12 @@ double wholeSimilarity(const Whole& a, const Whole& b, const PlaneFit& joint, co
     max_radius = kMaxBowRadius;
   }
   whole.inflation = tolerance.inflationOf(small.n);
+  // A plane across an edge is seen more obliquely than those of both sides, on which the tolerance is to be had. Where
+  // errors are correlated, those are not known well enough.
+  double sec2 = secantSquared(joint.a, range);
+  if (tolerance.isWhite()) sec2 = std::min({sec2, secantSquared(a.fit.a, range), secantSquared(b.fit.a, range)});
   return similarity(joint.chi2 - a.fit.chi2 - b.fit.chi2, small.n / (sigma * sigma), std::min(small.radius(), max_radius),
-                    secantSquared(joint.a, range), whole);
+                    sec2, whole);
 }
 
 double stepSimilarity(const Moments& a, const Moments& b, const PlaneFit& joint, const NoiseModel& noise,

@@ -71,6 +71,30 @@ TEST(MergeLabels, KeepsAStepAndACrease) {
   }
 }
 
+// A box from above, its top seen obliquely and just two lines of its front. The best plane for both is nearly that of the
+// top, where the tolerance along the beams is large.
+TEST(MergeLabels, KeepsASmallFrontApartFromATopSeenObliquelyUnlessErrorsAreCorrelated) {
+  constexpr double kStep = 0.006, kFront = 2.0, kSigma = 0.02;
+  const double tilt = 0.2, height = kFront * std::tan(tilt - 0.5 * kStep);
+  BeamGrid grid = toBeamGrid(noddingScan(14, 60, tilt - 12 * kStep, tilt + kStep, 30 * kStep));
+  const LabelImage faces =
+      scan({surfaceOf({{Eigen::Vector3d::UnitZ(), -height}, [=](const Eigen::Vector3d& p) { return p.x() > kFront; }}),
+            surfaceOf({{-Eigen::Vector3d::UnitX(), -kFront}, [=](const Eigen::Vector3d& p) { return p.z() < -height; }})},
+           grid);
+  ASSERT_EQ(countOf(faces, 2), 120);
+  addNoise(grid, kSigma);
+  const NoiseModel noise(SensorModel{kSigma, kSigma, 10.0, 0.0}, 1.0);
+  PatchGrid cells = makePatchGrid(grid, 4, true);
+  weighPatches(noise, cells);
+  for (const double inflation : {1.0, 1.3}) {
+    LabelImage labels = faces;
+    CellShares shares = shareCells(grid, cells, noise, labels);
+    std::vector<Eigen::Vector3d> planes;
+    mergeLabels(cells, noise, {0.005, 0.005, inflation}, 0.1, shares, labels, planes);
+    EXPECT_EQ(countOf(labels, 1), inflation == 1.0 ? 720 : 840);
+  }
+}
+
 // Two walls that meet in the middle of the image, turned against each other.
 Scene turnedWalls(double angle) {
   const Eigen::Vector3d left(-std::cos(0.5 * angle), -std::sin(0.5 * angle), 0.0);

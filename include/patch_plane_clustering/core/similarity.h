@@ -22,6 +22,12 @@ struct CoplanarityTolerance {
     return inflation_growth > 0.0 && n > patch_points ? inflation * std::pow(n / patch_points, inflation_growth) : inflation;
   }
 
+  /// Whether errors are independent from point to point, as far as an image can tell.
+  bool isWhite() const {
+    constexpr double kWhite = 1.2;  // inflation that white noise may show
+    return inflation < kWhite && inflation_growth == 0.0;
+  }
+
   /// @brief The tolerance where ranges have the noise `sigma` [m]. The errors that it stands for, of calibration, grid and
   /// bias, shrink with the noise: a sensor that resolves a millimetre shall tell a step of five from a plane.
   CoplanarityTolerance forNoise(double sigma) const {
