@@ -16,6 +16,7 @@
 #include "patch_plane_clustering/core/patch_labels.h"
 #include "patch_plane_clustering/core/refinement.h"
 #include "patch_plane_clustering/core/region_merging.h"
+#include "patch_plane_clustering/core/region_splitting.h"
 #include "patch_plane_clustering/core/region_statistics.h"
 #include "patch_plane_clustering/core/stage_timer.h"
 
@@ -146,6 +147,9 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
       const auto first_new = static_cast<std::int32_t>(planes.size());
       addSmallRegions(grid, noise, tolerance, config, first_new, memory, labels);
       update();
+      if (config.noise_aware) {
+        splitLabels(grid, patches, noise, tolerance, smallestRegion(config, grid.size()), shares, labels);
+      }
       labelPlanes(shares, planes);
       refine(first_new);
       update();

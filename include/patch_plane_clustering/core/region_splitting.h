@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "patch_plane_clustering/core/cell_shares.h"
+#include "patch_plane_clustering/core/noise_model.h"
+#include "patch_plane_clustering/core/patch_grid.h"
+#include "patch_plane_clustering/core/segmentation.h"
+#include "patch_plane_clustering/core/similarity.h"
+
+namespace ppc {
+
+/// @brief Splits labels that have swallowed a piece of another plane, as a face may its small neighbour that nothing else
+/// competes for: along the straight cut after which a plane on each side explains most.
+///
+/// A label is split if two planes explain it far better than one, and than one quadratic surface: that is for the test of
+/// curvature; if their misfit is beyond the tolerance; and if they leave nothing to explain but noise. Where errors are
+/// correlated, what is left must be within noise; where they are not, there may be a third plane. Sides are split again.
+/// Labels of more than 300 cells are left alone, for noise averages out over them while they grow.
+/// @param cells with weighed moments. @param smallest points of a label; a side has a quarter at least.
+/// @param shares of `labels`. Both are brought up to date: new labels follow the last of shares.sums.
+void splitLabels(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise,
+                 const CoplanarityTolerance& tolerance, int smallest, CellShares& shares, LabelImage& labels);
+
+}  // namespace ppc

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/region_splitting.h"
+
+#include "patch_plane_clustering/core/surface_cut.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace ppc {
+namespace {
+
+constexpr int kFewestCells = 12, kMostCells = 300;
+constexpr double kSignificance = 30.0;   // of a cut, over one plane and one quadratic surface: far beyond chi-square
+constexpr double kWholeTolerance = 1.5;  // tolerance over a whole side over that from patch to patch, as labels merge
+constexpr double kMaxRadius = 0.5;       // of a side, for the tolerance of its angle [m]
+constexpr double kMinMisfit = 0.5;       // of both sides on one plane
+constexpr double kNoise = 3.3;           // standard deviations of chi-square that noise alone may leave
+constexpr double kMinSide = 0.25;        // points of a side over those of a region, as in the second pass
+
+struct Place {
+  int cell, share;
+};
+
+struct Side {
+  Moments sum;
+  PlaneFit fit;
+};
+
+struct Split {
+  SurfaceCut cut;
+  Side low, high;
+};
+
+class LabelSplitter {
+ public:
+  LabelSplitter(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
+                int smallest, CellShares& shares, LabelImage& labels)
+      : grid_(grid),
+        cells_(cells),
+        noise_(noise),
+        tolerance_(tolerance),
+        smallest_(smallest),
+        shares_(shares),
+        labels_(labels) {}
+
+  void splitAll() {
+    listPlaces();
+    std::vector<Part> parts;
+    for (std::size_t label = 1; label + 1 < begin_.size(); ++label) {
+      parts.push_back({static_cast<std::int32_t>(label), begin_[label], begin_[label + 1]});
+    }
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      const Part part = parts[k];
+      Split split;
+      if (!findSplit(part, split)) continue;
+      const int middle = splitAt(split, part);
+      parts.push_back({part.label, part.begin, middle});
+      parts.push_back({static_cast<std::int32_t>(shares_.sums.size()) - 1, middle, part.end});
+    }
+  }
+
+ private:
+  struct Part {  // places [begin, end) have the label
+    std::int32_t label;
+    int begin, end;
+  };
+
+  // Lists the shares of labels that are neither too small nor too large, label by label.
+  void listPlaces() {
+    std::vector<int> count(shares_.sums.size(), 0);
+    for (const std::int32_t label : shares_.labels) ++count[label];
+    begin_.assign(1, 0);
+    for (std::size_t label = 0; label < count.size(); ++label) {
+      const bool may_split =
+          count[label] >= kFewestCells && count[label] <= kMostCells && shares_.sums[label].n >= smallest_;
+      begin_.push_back(begin_.back() + (may_split ? count[label] : 0));
+    }
+    std::vector<int> next(begin_);
+    places_.resize(static_cast<std::size_t>(begin_.back()));
+    for (int k = 0; k + 1 < static_cast<int>(shares_.begin.size()); ++k) {
+      for (int s = shares_.begin[k]; s < shares_.begin[k + 1]; ++s) {
+        const std::int32_t label = shares_.labels[s];
+        if (begin_[label] != begin_[label + 1]) places_[next[label]++] = {k, s};
+      }
+    }
+  }
+
+  const Moments& momentsOf(const Place& place) const { return shares_.momentsOf(cells_, place.cell, place.share); }
+
+  // Place of a cell in the image, in columns, along both axes.
+  float xOf(const Place& place) const { return static_cast<float>(cells_.patches[place.cell].col_begin); }
+  float yOf(const Place& place) const { return aspect_ * static_cast<float>(cells_.patches[place.cell].row_begin); }
+
+  bool isBeyond(const SurfaceCut& cut, const Place& place) const { return cut.isBeyond(xOf(place), yOf(place)); }
+
+  bool findSplit(const Part& part, Split& split) {
+    const int count = part.end - part.begin;
+    if (count < kFewestCells) return false;
+    const Moments& all = shares_.sums[part.label];
+    if (all.n < smallest_) return false;
+    const PlaneFit fit = fitPlane(all);
+    const int strip = cells_.patches[places_[part.begin + count / 2].cell].col_begin / cells_.strip_cols;
+    aspect_ = static_cast<float>(cells_.strip_cols) / static_cast<float>(cells_.strip_rows[strip]);
+    const SurfaceFrame frame(all, fit);
+    surface_.clear();
+    for (int i = part.begin; i < part.end; ++i) {
+      surface_.push_back({xOf(places_[i]), yOf(places_[i]), frame.measure(momentsOf(places_[i]))});
+    }
+    const SurfaceCut cut = bestCut(surface_, kMinSide * smallest_);
+    const double significant = kSignificance * tolerance_.inflationOf(kMinSide * smallest_);
+    if (cut.gain < significant || cut.gain < bowGain(surface_) + significant) return false;
+    split = {cut, {}, {}};
+    for (int i = part.begin; i < part.end; ++i) {
+      (isBeyond(cut, places_[i]) ? split.high : split.low).sum += momentsOf(places_[i]);
+    }
+    split.low.fit = fitPlane(split.low.sum);
+    split.high.fit = fitPlane(split.high.sum);
+    return isExplained(split.low, split.high, fit) && isBeyondTolerance(split.low, split.high, fit);
+  }
+
+  // Whether two planes leave no more than noise, or less than what they explain.
+  bool isExplained(const Side& low, const Side& high, const PlaneFit& whole) const {
+    const double two = low.fit.chi2 + high.fit.chi2, n = low.sum.n + high.sum.n;
+    const double left = two - (n - 6.0), noise = kNoise * std::sqrt(2.0 * n * tolerance_.inflationOf(n));
+    return left < noise || (tolerance_.isWhite() && left < whole.chi2 - two);
+  }
+
+  bool isBeyondTolerance(const Side& low, const Side& high, const PlaneFit& whole) const {
+    const Moments& small = low.sum.n < high.sum.n ? low.sum : high.sum;
+    const double range = small.mean().norm(), sigma = noise_.sigma(range);
+    CoplanarityTolerance allowed = tolerance_.forNoise(sigma);
+    allowed.sigma_distance *= kWholeTolerance;
+    allowed.inflation = tolerance_.inflationOf(small.n);
+    // A plane across an edge is seen more obliquely than the planes of the sides, on which the tolerance is to be had.
+    const double sec2 =
+        std::min({secantSquared(whole.a, range), secantSquared(low.fit.a, range), secantSquared(high.fit.a, range)});
+    return misfit(whole.chi2 - low.fit.chi2 - high.fit.chi2, small.n / (sigma * sigma), std::min(small.radius(), kMaxRadius),
+                  sec2, allowed) > kMinMisfit;
+  }
+
+  // Gives the side of fewer points a new label. @return the first of its places.
+  int splitAt(const Split& split, const Part& part) {
+    const Moments &low = split.low.sum, &high = split.high.sum;
+    const bool beyond = high.n < low.n;  // is what leaves
+    const auto middle = std::stable_partition(places_.begin() + part.begin, places_.begin() + part.end,
+                                              [&](const Place& p) { return isBeyond(split.cut, p) != beyond; });
+    const auto fresh = static_cast<std::int32_t>(shares_.sums.size());
+    shares_.sums[part.label] = beyond ? low : high;
+    shares_.sums.push_back(beyond ? high : low);
+    for (auto place = middle; place != places_.begin() + part.end; ++place) rename(*place, part.label, fresh);
+    return static_cast<int>(middle - places_.begin());
+  }
+
+  void rename(const Place& place, std::int32_t label, std::int32_t fresh) {
+    shares_.labels[place.share] = fresh;
+    if (shares_.only[place.cell] == label) shares_.only[place.cell] = fresh;
+    const Patch& cell = cells_.patches[place.cell];
+    for (int r = cell.row_begin; r < cell.row_end; ++r) {
+      const auto row = labels_.labels.begin() + grid_.index(r, 0);
+      std::replace(row + cell.col_begin, row + cell.col_end, label, fresh);
+    }
+  }
+
+  const BeamGrid& grid_;
+  const PatchGrid& cells_;
+  const NoiseModel& noise_;
+  const CoplanarityTolerance& tolerance_;
+  int smallest_;
+  CellShares& shares_;
+  LabelImage& labels_;
+  std::vector<int> begin_;  // of each label's places, and one past the last
+  std::vector<Place> places_;
+  std::vector<SurfaceCell> surface_;
+  float aspect_ = 1.0F;  // columns of a patch over its rows
+};
+
+}  // namespace
+
+void splitLabels(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise,
+                 const CoplanarityTolerance& tolerance, int smallest, CellShares& shares, LabelImage& labels) {
+  LabelSplitter(grid, cells, noise, tolerance, smallest, shares, labels).splitAll();
+}
+
+}  // namespace ppc

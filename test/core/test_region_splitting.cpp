@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/region_splitting.h"
+
+#include "patch_plane_clustering/core/clustering.h"
+
+#include "analytic_scenes.h"
+
+#include <gtest/gtest.h>
+
+namespace ppc {
+namespace {
+
+using namespace testing_tools;
+
+const NoiseModel kNoise(SensorModel{0.01, 0.01, 10.0, 0.0}, 1.0);
+
+// All that is measured as one label.
+struct Scene {
+  BeamGrid grid = forwardBeams(40, 60, 0.005);
+  LabelImage truth, labels;
+  PatchGrid cells;
+  CellShares shares;
+
+  explicit Scene(const std::vector<Surface>& surfaces) {
+    truth = scan(surfaces, grid);
+    addNoise(grid, 0.01);
+    labels = truth;
+    for (std::int32_t& label : labels.labels) label = label > 0 ? 1 : 0;
+    cells = makePatchGrid(grid, 4, true);
+    weighPatches(kNoise, cells);
+    shares = shareCells(grid, cells, kNoise, labels);
+  }
+
+  void split(double inflation = 1.0, int smallest = 350) {
+    const CoplanarityTolerance tolerance{0.005, 0.005, inflation};
+    splitLabels(grid, cells, kNoise, tolerance, smallest, shares, labels);
+  }
+
+  int count() const { return static_cast<int>(shares.sums.size()) - 1; }
+
+  // Points of a true face that have a label.
+  int common(std::int32_t face, std::int32_t label) const {
+    int n = 0;
+    for (int i = 0; i < grid.size(); ++i) n += truth.labels[i] == face && labels.labels[i] == label ? 1 : 0;
+    return n;
+  }
+};
+
+const auto kLeft = [](const Eigen::Vector3d& p) { return p.y() > 0.2; };
+const Surface kWall = wall({-1.0, 0.0, 0.0}, -3.0);
+// The left end of the wall, turned.
+Surface turned(double angle) {
+  const Eigen::Vector3d normal(-std::cos(angle), std::sin(angle), 0.0);
+  return surfaceOf({{normal, normal.dot(Eigen::Vector3d(3.0, 0.2, 0.0))}, kLeft});
+}
+const Surface kRest = surfaceOf({{-Eigen::Vector3d::UnitX(), -3.0}, [](const Eigen::Vector3d& p) { return p.y() <= 0.2; }});
+
+TEST(SplitLabels, GivesASwallowedFaceALabelOfItsOwn) {
+  for (const Surface& face : {turned(0.4), turned(-0.3), surfaceOf({{-Eigen::Vector3d::UnitX(), -2.95}, kLeft})}) {
+    Scene scene({face, kRest});
+    scene.split();
+    ASSERT_EQ(scene.count(), 2);
+    EXPECT_GT(scene.common(2, 1), 0.9 * countOf(scene.truth, 2));
+    EXPECT_GT(scene.common(1, 2), 0.9 * countOf(scene.truth, 1));
+  }
+}
+
+TEST(SplitLabels, BringsSharesUpToDate) {
+  Scene scene({turned(0.4), kRest});
+  scene.split();
+  const CellShares anew = shareCells(scene.grid, scene.cells, kNoise, scene.labels);
+  EXPECT_EQ(scene.shares.labels, anew.labels);
+  EXPECT_EQ(scene.shares.only, anew.only);
+  ASSERT_EQ(scene.shares.sums.size(), anew.sums.size());
+  for (std::size_t label = 1; label < anew.sums.size(); ++label) {
+    EXPECT_EQ(scene.shares.sums[label].n, anew.sums[label].n);
+    EXPECT_NEAR(scene.shares.sums[label].xx, anew.sums[label].xx, 1e-9 * anew.sums[label].xx);
+  }
+}
+
+TEST(SplitLabels, LeavesPlanesAndCurvedSurfacesWhole) {
+  const Surface sag = column(23.0, 0.0, 20.0);
+  for (const Surface& surface :
+       {kWall, wall({-1.0, 2.0, 0.5}, -3.0), column(4.0, 0.0, 1.0), sag, ball({4.0, 0.0, 0.0}, 1.5)}) {
+    Scene scene({surface});
+    const std::vector<std::int32_t> before = scene.labels.labels;
+    scene.split();
+    EXPECT_EQ(scene.count(), 1);
+    EXPECT_EQ(scene.labels.labels, before);
+  }
+}
+
+TEST(SplitLabels, LeavesAStepWithinTheToleranceWhole) {
+  Scene scene({surfaceOf({{-Eigen::Vector3d::UnitX(), -2.996}, kLeft}), kRest});
+  scene.split();
+  EXPECT_EQ(scene.count(), 1);
+}
+
+TEST(SplitLabels, SplitsSidesAgainButNotWhereErrorsAreCorrelated) {
+  const auto between = [](double low, double high) {
+    return [=](const Eigen::Vector3d& p) { return p.y() > low && p.y() <= high; };
+  };
+  const std::vector<Surface> steps = {surfaceOf({{-Eigen::Vector3d::UnitX(), -2.9}, between(-9.0, -0.15)}),
+                                      surfaceOf({{-Eigen::Vector3d::UnitX(), -3.0}, between(-0.15, 0.15)}),
+                                      surfaceOf({{-Eigen::Vector3d::UnitX(), -2.95}, between(0.15, 9.0)})};
+  Scene white(steps);
+  white.split();
+  EXPECT_EQ(white.count(), 3);
+  Scene correlated(steps);
+  correlated.split(2.0);
+  EXPECT_EQ(correlated.count(), 1);
+}
+
+TEST(SplitLabels, LeavesSmallLabelsAlone) {
+  Scene scene({turned(0.4), kRest});
+  scene.split(1.0, 2401);
+  EXPECT_EQ(scene.count(), 1);
+}
+
+}  // namespace
+}  // namespace ppc
