@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/region_splitting.h"
 
-#include "patch_plane_clustering/core/surface_cut.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -19,9 +17,8 @@ constexpr double kMinMisfit = 0.5;       // of both sides on one plane
 constexpr double kNoise = 3.3;           // standard deviations of chi-square that noise alone may leave
 constexpr double kMinSide = 0.25;        // points of a side over those of a region, as in the second pass
 
-struct Place {
-  int cell, share;
-};
+using Place = SplitMemory::Place;
+using Part = SplitMemory::Part;
 
 struct Side {
   Moments sum;
@@ -36,53 +33,54 @@ struct Split {
 class LabelSplitter {
  public:
   LabelSplitter(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                int smallest, CellShares& shares, LabelImage& labels)
+                int smallest, SplitMemory& memory, CellShares& shares, LabelImage& labels)
       : grid_(grid),
         cells_(cells),
         noise_(noise),
         tolerance_(tolerance),
         smallest_(smallest),
         shares_(shares),
-        labels_(labels) {}
+        labels_(labels),
+        count_(memory.count),
+        begin_(memory.begin),
+        next_(memory.next),
+        places_(memory.places),
+        parts_(memory.parts),
+        surface_(memory.surface) {}
 
   void splitAll() {
     listPlaces();
-    std::vector<Part> parts;
+    parts_.clear();
     for (std::size_t label = 1; label + 1 < begin_.size(); ++label) {
-      parts.push_back({static_cast<std::int32_t>(label), begin_[label], begin_[label + 1]});
+      parts_.push_back({static_cast<std::int32_t>(label), begin_[label], begin_[label + 1]});
     }
-    for (std::size_t k = 0; k < parts.size(); ++k) {
-      const Part part = parts[k];
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+      const Part part = parts_[k];
       Split split;
       if (!findSplit(part, split)) continue;
       const int middle = splitAt(split, part);
-      parts.push_back({part.label, part.begin, middle});
-      parts.push_back({static_cast<std::int32_t>(shares_.sums.size()) - 1, middle, part.end});
+      parts_.push_back({part.label, part.begin, middle});
+      parts_.push_back({static_cast<std::int32_t>(shares_.sums.size()) - 1, middle, part.end});
     }
   }
 
  private:
-  struct Part {  // places [begin, end) have the label
-    std::int32_t label;
-    int begin, end;
-  };
-
   // Lists the shares of labels that are neither too small nor too large, label by label.
   void listPlaces() {
-    std::vector<int> count(shares_.sums.size(), 0);
-    for (const std::int32_t label : shares_.labels) ++count[label];
+    count_.assign(shares_.sums.size(), 0);
+    for (const std::int32_t label : shares_.labels) ++count_[label];
     begin_.assign(1, 0);
-    for (std::size_t label = 0; label < count.size(); ++label) {
+    for (std::size_t label = 0; label < count_.size(); ++label) {
       const bool may_split =
-          count[label] >= kFewestCells && count[label] <= kMostCells && shares_.sums[label].n >= smallest_;
-      begin_.push_back(begin_.back() + (may_split ? count[label] : 0));
+          count_[label] >= kFewestCells && count_[label] <= kMostCells && shares_.sums[label].n >= smallest_;
+      begin_.push_back(begin_.back() + (may_split ? count_[label] : 0));
     }
-    std::vector<int> next(begin_);
+    next_ = begin_;
     places_.resize(static_cast<std::size_t>(begin_.back()));
     for (int k = 0; k + 1 < static_cast<int>(shares_.begin.size()); ++k) {
       for (int s = shares_.begin[k]; s < shares_.begin[k + 1]; ++s) {
         const std::int32_t label = shares_.labels[s];
-        if (begin_[label] != begin_[label + 1]) places_[next[label]++] = {k, s};
+        if (begin_[label] != begin_[label + 1]) places_[next_[label]++] = {k, s};
       }
     }
   }
@@ -170,17 +168,19 @@ class LabelSplitter {
   int smallest_;
   CellShares& shares_;
   LabelImage& labels_;
-  std::vector<int> begin_;  // of each label's places, and one past the last
-  std::vector<Place> places_;
-  std::vector<SurfaceCell> surface_;
+  std::vector<int>&count_, &begin_, &next_;
+  std::vector<Place>& places_;
+  std::vector<Part>& parts_;
+  std::vector<SurfaceCell>& surface_;
   float aspect_ = 1.0F;  // columns of a patch over its rows
 };
 
 }  // namespace
 
 void splitLabels(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise,
-                 const CoplanarityTolerance& tolerance, int smallest, CellShares& shares, LabelImage& labels) {
-  LabelSplitter(grid, cells, noise, tolerance, smallest, shares, labels).splitAll();
+                 const CoplanarityTolerance& tolerance, int smallest, SplitMemory& memory, CellShares& shares,
+                 LabelImage& labels) {
+  LabelSplitter(grid, cells, noise, tolerance, smallest, memory, shares, labels).splitAll();
 }
 
 }  // namespace ppc

@@ -16,7 +16,6 @@
 #include "patch_plane_clustering/core/patch_labels.h"
 #include "patch_plane_clustering/core/refinement.h"
 #include "patch_plane_clustering/core/region_merging.h"
-#include "patch_plane_clustering/core/region_splitting.h"
 #include "patch_plane_clustering/core/region_statistics.h"
 #include "patch_plane_clustering/core/stage_timer.h"
 
@@ -148,7 +147,7 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
       addSmallRegions(grid, noise, tolerance, config, first_new, memory, labels);
       update();
       if (config.noise_aware) {
-        splitLabels(grid, patches, noise, tolerance, smallestRegion(config, grid.size()), shares, labels);
+        splitLabels(grid, patches, noise, tolerance, smallestRegion(config, grid.size()), memory.splits, shares, labels);
       }
       labelPlanes(shares, planes);
       refine(first_new);

@@ -33,7 +33,8 @@ struct Scene {
 
   void split(double inflation = 1.0, int smallest = 350) {
     const CoplanarityTolerance tolerance{0.005, 0.005, inflation};
-    splitLabels(grid, cells, kNoise, tolerance, smallest, shares, labels);
+    SplitMemory memory;
+    splitLabels(grid, cells, kNoise, tolerance, smallest, memory, shares, labels);
   }
 
   int count() const { return static_cast<int>(shares.sums.size()) - 1; }

@@ -6,8 +6,27 @@
 #include "patch_plane_clustering/core/patch_grid.h"
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/similarity.h"
+#include "patch_plane_clustering/core/surface_cut.h"
+
+#include <cstdint>
+#include <vector>
 
 namespace ppc {
+
+/// @brief Working memory of splitLabels(), which one image after the other may use.
+struct SplitMemory {
+  struct Place {  ///< of a label: a share of a cell
+    int cell, share;
+  };
+  struct Part {  ///< places [begin, end) have the label
+    std::int32_t label;
+    int begin, end;
+  };
+  std::vector<int> count, begin, next;  ///< cells of each label; its first place, and one past the last; the next to fill
+  std::vector<Place> places;            ///< label by label
+  std::vector<Part> parts;              ///< to be looked at
+  std::vector<SurfaceCell> surface;
+};
 
 /// @brief Splits labels that have swallowed a piece of another plane, as a face may its small neighbour that nothing else
 /// competes for: along the straight cut after which a plane on each side explains most.
@@ -19,6 +38,7 @@ namespace ppc {
 /// @param cells with weighed moments. @param smallest points of a label; a side has a quarter at least.
 /// @param shares of `labels`. Both are brought up to date: new labels follow the last of shares.sums.
 void splitLabels(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise,
-                 const CoplanarityTolerance& tolerance, int smallest, CellShares& shares, LabelImage& labels);
+                 const CoplanarityTolerance& tolerance, int smallest, SplitMemory& memory, CellShares& shares,
+                 LabelImage& labels);
 
 }  // namespace ppc

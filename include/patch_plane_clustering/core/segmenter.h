@@ -17,6 +17,7 @@
 #include "patch_plane_clustering/core/polygon_memory.h"
 #include "patch_plane_clustering/core/refinement.h"
 #include "patch_plane_clustering/core/region_merging.h"
+#include "patch_plane_clustering/core/region_splitting.h"
 #include "patch_plane_clustering/core/region_statistics.h"
 #include "patch_plane_clustering/core/segmentation.h"
 
@@ -49,6 +50,7 @@ struct ClusteringMemory {
   RefinementMemory refinement;
   std::vector<PatchRow> patch_rows;
   std::vector<char> changed;
+  SplitMemory splits;
   LabelPieces pieces;
   SplitMemory split;
   BorderMemory borders;
