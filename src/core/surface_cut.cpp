@@ -11,7 +11,7 @@
 namespace ppc {
 namespace {
 
-constexpr int kDirections = 8, kBins = 16;  // fewer directions miss faces, more of either find no others
+constexpr int kDirections = 8, kBins = 16;  // half the directions miss faces, half as many bins again find no others
 constexpr float kRidge = 1e-6F;             // of a side's scatter: cells in one line tell nothing of the slope across it
 
 // What a plane of its own takes off the chi-square of one side: its misfits regressed on 1, u and v.

@@ -34,7 +34,7 @@ struct SplitMemory {
 /// A label is split if two planes explain it far better than one, and than one quadratic surface: that is for the test of
 /// curvature; if their misfit is beyond the tolerance; and if they leave nothing to explain but noise. Where errors are
 /// correlated, what is left must be within noise; where they are not, there may be a third plane. Sides are split again.
-/// Labels of more than 300 cells are left alone, for noise averages out over them while they grow.
+/// Labels of more than 300 cells are left alone: it costs time there, and has found nothing.
 /// @param cells with weighed moments. @param smallest points of a label; a side has a quarter at least.
 /// @param shares of `labels`. Both are brought up to date: new labels follow the last of shares.sums.
 void splitLabels(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise,
