@@ -41,6 +41,7 @@ ABLATIONS = {
     'merging': ['--set', 'merge=false'],
     'refinement and second pass': ['--set', 'refine=false'],
     'second pass': ['--set', 'second_pass=false'],
+    'splitting of regions': ['--set', 'split_regions=false'],
     'settlement of borders': ['--set', 'settle_borders=false'],
     'borders along creases': ['--set', 'align_creases=false'],
     'filling of holes': ['--set', 'fill_holes=false'],

@@ -42,6 +42,8 @@ std::vector<ConfigField> makeFields() {
       PPC_FIELD("refine", Type::kBool, 0, 1, refine, "assign points one by one along the borders of clusters"),
       PPC_FIELD("second_pass", Type::kBool, 0, 1, second_pass,
                 "look for thin regions with smaller patches in what the first pass left over"),
+      PPC_FIELD("split_regions", Type::kBool, 0, 1, split_regions,
+                "split regions that two planes explain far better than one, in the second pass"),
       PPC_FIELD("settle_borders", Type::kBool, 0, 1, settle_borders,
                 "let regions that meet compete once more for the points along their borders, after the last merge"),
       PPC_FIELD("align_creases", Type::kBool, 0, 1, align_creases,

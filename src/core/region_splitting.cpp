@@ -17,8 +17,8 @@ constexpr double kMinMisfit = 0.5;       // of both sides on one plane
 constexpr double kNoise = 3.3;           // standard deviations of chi-square that noise alone may leave
 constexpr double kMinSide = 0.25;        // points of a side over those of a region, as in the second pass
 
-using Place = SplitMemory::Place;
-using Part = SplitMemory::Part;
+using Place = LabelSplitMemory::Place;
+using Part = LabelSplitMemory::Part;
 
 struct Side {
   Moments sum;
@@ -33,7 +33,7 @@ struct Split {
 class LabelSplitter {
  public:
   LabelSplitter(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                int smallest, SplitMemory& memory, CellShares& shares, LabelImage& labels)
+                int smallest, LabelSplitMemory& memory, CellShares& shares, LabelImage& labels)
       : grid_(grid),
         cells_(cells),
         noise_(noise),
@@ -178,7 +178,7 @@ class LabelSplitter {
 }  // namespace
 
 void splitLabels(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise,
-                 const CoplanarityTolerance& tolerance, int smallest, SplitMemory& memory, CellShares& shares,
+                 const CoplanarityTolerance& tolerance, int smallest, LabelSplitMemory& memory, CellShares& shares,
                  LabelImage& labels) {
   LabelSplitter(grid, cells, noise, tolerance, smallest, memory, shares, labels).splitAll();
 }

@@ -146,7 +146,7 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
       const auto first_new = static_cast<std::int32_t>(planes.size());
       addSmallRegions(grid, noise, tolerance, config, first_new, memory, labels);
       update();
-      if (config.noise_aware) {
+      if (config.split_regions && config.noise_aware) {
         splitLabels(grid, patches, noise, tolerance, smallestRegion(config, grid.size()), memory.splits, shares, labels);
       }
       labelPlanes(shares, planes);

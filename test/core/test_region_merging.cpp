@@ -89,8 +89,10 @@ TEST(MergeLabels, KeepsASmallFrontApartFromATopSeenObliquelyUnlessErrorsAreCorre
   for (const double inflation : {1.0, 1.3}) {
     LabelImage labels = faces;
     CellShares shares = shareCells(grid, cells, noise, labels);
+    MergeMemory memory;
+    std::vector<LabelRun> runs;
     std::vector<Eigen::Vector3d> planes;
-    mergeLabels(cells, noise, {0.005, 0.005, inflation}, 0.1, shares, labels, planes);
+    mergeLabels(cells, noise, {0.005, 0.005, inflation}, 0.1, memory, shares, labels, runs, planes);
     EXPECT_EQ(countOf(labels, 1), inflation == 1.0 ? 720 : 840);
   }
 }

@@ -33,7 +33,7 @@ struct Scene {
 
   void split(double inflation = 1.0, int smallest = 350) {
     const CoplanarityTolerance tolerance{0.005, 0.005, inflation};
-    SplitMemory memory;
+    LabelSplitMemory memory;
     splitLabels(grid, cells, kNoise, tolerance, smallest, memory, shares, labels);
   }
 

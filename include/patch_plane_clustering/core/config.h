@@ -24,6 +24,7 @@ struct Config {
   int min_size = 0;                   ///< smallest region [points]; 0: by the size of the image, see smallestRegion()
   bool refine = true;                 ///< assign points one by one along the borders of clusters
   bool second_pass = true;            ///< look for thin regions with smaller patches in what the first pass left over
+  bool split_regions = true;          ///< split regions that two planes explain far better than one, in the second pass
   bool settle_borders = true;         ///< let regions that meet compete once more along their borders, after the last merge
   bool align_creases = true;          ///< draw borders at creases along the line where the planes meet
   bool fill_holes = true;             ///< give bumps of noise inside of a region, too small for one, to it

@@ -14,7 +14,7 @@
 namespace ppc {
 
 /// @brief Working memory of splitLabels(), which one image after the other may use.
-struct SplitMemory {
+struct LabelSplitMemory {
   struct Place {  ///< of a label: a share of a cell
     int cell, share;
   };
@@ -38,7 +38,7 @@ struct SplitMemory {
 /// @param cells with weighed moments. @param smallest points of a label; a side has a quarter at least.
 /// @param shares of `labels`. Both are brought up to date: new labels follow the last of shares.sums.
 void splitLabels(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise,
-                 const CoplanarityTolerance& tolerance, int smallest, SplitMemory& memory, CellShares& shares,
+                 const CoplanarityTolerance& tolerance, int smallest, LabelSplitMemory& memory, CellShares& shares,
                  LabelImage& labels);
 
 }  // namespace ppc

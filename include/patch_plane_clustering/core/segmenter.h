@@ -50,7 +50,7 @@ struct ClusteringMemory {
   RefinementMemory refinement;
   std::vector<PatchRow> patch_rows;
   std::vector<char> changed;
-  SplitMemory splits;
+  LabelSplitMemory splits;
   LabelPieces pieces;
   SplitMemory split;
   BorderMemory borders;
