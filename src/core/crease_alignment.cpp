@@ -6,6 +6,7 @@
 #include "patch_plane_clustering/core/parallel.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace ppc {
 namespace {
@@ -102,8 +103,12 @@ void alignCreases(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& plan
   if (memory.changes.size() < pairs.size()) memory.changes.resize(pairs.size());
   memory.variance.set(noise, tolerance);
   const CreaseAligner aligner(grid, planes, center, memory.variance, memory.meetings, labels);
-  forEachPart(threads, static_cast<int>(pairs.size()), memory.workers,
-              [&](int k, Worker& worker) { aligner.align(pairs[k], worker, memory.changes[k]); });
+  forEachPart(threads, static_cast<int>(pairs.size()), memory.workers, [&](int k, Worker& kept) {
+    Worker worker;  // on the thread's own stack: counts of two threads in one line of the cache would slow both
+    std::swap(worker, kept);
+    aligner.align(pairs[k], worker, memory.changes[k]);
+    std::swap(worker, kept);
+  });
   // Not before all pairs are known, and in their order: a pixel may be near several borders.
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     for (const Change& change : memory.changes[k]) labels.labels[change.pixel] = change.label;
