@@ -3,6 +3,7 @@
 // pixel in vector code, four at a time in single precision, as which it is stored: 30 m away the error is below 0.01 mm.
 #include "patch_plane_clustering/core/beam_grid.h"
 #include "patch_plane_clustering/core/lanes.h"
+#include "patch_plane_clustering/core/parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -108,26 +109,47 @@ void fillOrigins(const BeamColumns& columns, int begin, int end, const Change& o
   });
 }
 
-// Measurements within the limits, NaN in place of all others.
-void fillRanges(const RangeImage& image, std::vector<float>& out) {
+// Measurements [begin, end) within the limits, NaN in place of all others.
+void fillRanges(const RangeImage& image, std::size_t begin, std::size_t end, std::vector<float>& out) {
   // The limits in single precision, rounded inwards, admit the same floats.
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   auto low = static_cast<float>(image.range_min), high = static_cast<float>(image.range_max);
   if (low < image.range_min) low = std::nextafter(low, kInfinity);
   if (high > image.range_max) high = std::nextafter(high, -kInfinity);
-  const std::size_t n = out.size(), whole = n - n % kLanes;
+  const std::size_t whole = end - (end - begin) % kLanes;
   const Lanes lows = fill(low), highs = fill(high), bad = fill(std::numeric_limits<float>::quiet_NaN());
   const auto filtered = [&](Lanes r) { return ((r > Lanes{}) & (lows <= r) & (r <= highs)) ? r : bad; };
-  for (std::size_t i = 0; i < whole; i += kLanes) {
+  for (std::size_t i = begin; i < whole; i += kLanes) {
     const Lanes kept = filtered(loadLanes<Lanes>(&image.ranges[i]));
     std::memcpy(&out[i], &kept, sizeof kept);
   }
-  for (std::size_t i = whole; i < n; ++i) out[i] = filtered(fill(image.ranges[i]))[0];
+  for (std::size_t i = whole; i < end; ++i) out[i] = filtered(fill(image.ranges[i]))[0];
+}
+
+// Rows [begin, end), of a grid that has its size.
+void fillRows(const RangeImage& image, const BeamColumns& columns, int begin, int end, BeamGrid& grid) {
+  fillRanges(image, static_cast<std::size_t>(grid.index(begin, 0)), static_cast<std::size_t>(grid.index(end, 0)),
+             grid.range);
+  const auto knots = static_cast<std::size_t>(image.poses_per_row);
+  for (int r = begin; r < end; ++r) {
+    const Eigen::Isometry3d* poses = &image.line_poses[static_cast<std::size_t>(r) * knots];
+    const auto row = static_cast<std::size_t>(grid.index(r, 0));
+    for (std::size_t k = 0; k + 1 < columns.begin.size(); ++k) {
+      const int first = columns.begin[k], last = columns.begin[k + 1];
+      const Eigen::Isometry3d &a = poses[k], &b = poses[std::min(k + 1, knots - 1)];
+      fillDirections(columns, first, last, Change(a.linear().col(0), b.linear().col(0)),
+                     Change(a.linear().col(1), b.linear().col(1)),
+                     {grid.dir_x.data() + row, grid.dir_y.data() + row, grid.dir_z.data() + row});
+      if (grid.origin_x.empty()) continue;
+      fillOrigins(columns, first, last, Change(a.translation(), b.translation()),
+                  {grid.origin_x.data() + row, grid.origin_y.data() + row, grid.origin_z.data() + row});
+    }
+  }
 }
 
 }  // namespace
 
-void toBeamGrid(const RangeImage& image, BeamColumns& columns, BeamGrid& grid) {
+void toBeamGrid(const RangeImage& image, BeamColumns& columns, BeamGrid& grid, int threads) {
   checkConsistent(image);
   const bool same_origin = std::all_of(image.line_poses.begin(), image.line_poses.end(),
                                        [](const Eigen::Isometry3d& pose) { return pose.translation().isZero(1e-9); });
@@ -137,24 +159,8 @@ void toBeamGrid(const RangeImage& image, BeamColumns& columns, BeamGrid& grid) {
   const std::size_t n = image.ranges.size();
   for (auto* v : {&grid.dir_x, &grid.dir_y, &grid.dir_z, &grid.range}) v->resize(n);
   for (auto* v : {&grid.origin_x, &grid.origin_y, &grid.origin_z}) v->resize(same_origin ? 0 : n);
-  fillRanges(image, grid.range);
-
   fillIn(image, columns);
-  const auto knots = static_cast<std::size_t>(image.poses_per_row);
-  for (int r = 0; r < image.rows; ++r) {
-    const Eigen::Isometry3d* poses = &image.line_poses[static_cast<std::size_t>(r) * knots];
-    const auto row = static_cast<std::size_t>(grid.index(r, 0));
-    for (std::size_t k = 0; k + 1 < columns.begin.size(); ++k) {
-      const int begin = columns.begin[k], end = columns.begin[k + 1];
-      const Eigen::Isometry3d &a = poses[k], &b = poses[std::min(k + 1, knots - 1)];
-      fillDirections(columns, begin, end, Change(a.linear().col(0), b.linear().col(0)),
-                     Change(a.linear().col(1), b.linear().col(1)),
-                     {grid.dir_x.data() + row, grid.dir_y.data() + row, grid.dir_z.data() + row});
-      if (same_origin) continue;
-      fillOrigins(columns, begin, end, Change(a.translation(), b.translation()),
-                  {grid.origin_x.data() + row, grid.origin_y.data() + row, grid.origin_z.data() + row});
-    }
-  }
+  forEachRange(threads, image.rows, [&](int begin, int end) { fillRows(image, columns, begin, end, grid); });
 }
 
 BeamGrid toBeamGrid(const RangeImage& image) {

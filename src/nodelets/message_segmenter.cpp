@@ -31,7 +31,7 @@ void MessageSegmenter::segment(const Arrival& arrival, const std::shared_ptr<con
 
 void MessageSegmenter::start(const Arrival& arrival, const Config& config) {
   const auto begin = Arrival::Clock::now();
-  readGrid(arrival);
+  readGrid(arrival, config.threads);
   if (method_name_ == "ppc" && std::min(grid_.rows, grid_.cols) < config.patch_size) {
     throw std::invalid_argument("patch_size = " + std::to_string(config.patch_size) + " is larger than the image (" +
                                 std::to_string(grid_.rows) + " x " + std::to_string(grid_.cols) + ")");
@@ -41,10 +41,10 @@ void MessageSegmenter::start(const Arrival& arrival, const Config& config) {
   segmentation_.stages.insert(segmentation_.stages.begin(), {"message", conversion.count()});
 }
 
-void MessageSegmenter::readGrid(const Arrival& arrival) {
+void MessageSegmenter::readGrid(const Arrival& arrival, int threads) {
   if (arrival.image) {
     fromMessage(*arrival.image, image_);
-    toBeamGrid(image_, columns_, grid_);
+    toBeamGrid(image_, columns_, grid_, threads);
   } else {
     gridFromCloud(*arrival.cloud, coordinates_, grid_);
   }

@@ -42,7 +42,7 @@ class MessageSegmenter {
 
  private:
   void start(const Arrival& arrival, const Config& config);
-  void readGrid(const Arrival& arrival);
+  void readGrid(const Arrival& arrival, int threads);
 
   std::string method_name_;
   std::unique_ptr<PlaneSegmenter> method_;

@@ -94,6 +94,27 @@ TEST(BeamGrid, MemoryOfAnotherImageMakesNoDifference) {
   EXPECT_TRUE(grid.origin_x.empty());
 }
 
+TEST(BeamGrid, ThreadsMakeNoDifference) {
+  for (const bool moves : {false, true}) {
+    RangeImage image = noddingScan(23, 17, -0.5, 0.5, 2.0, {moves ? 0.1 : 0.0, 0.0, 0.0});
+    for (std::size_t i = 0; i < image.ranges.size(); ++i)
+      image.ranges[i] = i % 5 == 0 ? kNaN : 1.0F + 0.1F * static_cast<float>(i % 7);
+    BeamColumns columns;
+    BeamGrid one, several;
+    toBeamGrid(image, columns, one);
+    for (const int threads : {2, 5, 40}) {
+      toBeamGrid(image, columns, several, threads);
+      EXPECT_EQ(one.dir_x, several.dir_x);
+      EXPECT_EQ(one.dir_y, several.dir_y);
+      EXPECT_EQ(one.dir_z, several.dir_z);
+      EXPECT_EQ(one.origin_x, several.origin_x);
+      for (std::size_t i = 0; i < one.range.size(); ++i) {
+        EXPECT_TRUE(one.range[i] == several.range[i] || (std::isnan(one.range[i]) && std::isnan(several.range[i]))) << i;
+      }
+    }
+  }
+}
+
 // Two knots a row: the pose in between is interpolated at each beam.
 TEST(BeamGrid, PoseIsInterpolatedAlongTheRow) {
   RangeImage image = noddingScan(1, 5, 0, 0, 0.5);

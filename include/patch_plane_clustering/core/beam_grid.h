@@ -58,7 +58,7 @@ struct BeamColumns {
 
 /// @brief The same into a grid that is there, whose memory is used again. It is left in part changed if this throws.
 /// @param columns overwritten; its memory is used again, too.
-void toBeamGrid(const RangeImage& image, BeamColumns& columns, BeamGrid& grid);
+void toBeamGrid(const RangeImage& image, BeamColumns& columns, BeamGrid& grid, int threads = 1);
 
 /// @brief Beams of an organised cloud with the sensor at `viewpoint`.
 /// @param x,y,z rows x cols coordinates, row-major [m]; any non-finite coordinate makes the pixel invalid, and so does a
