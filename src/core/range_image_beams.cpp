@@ -58,7 +58,7 @@ Lanes inverseRoot(Lanes squared) {
   const Lanes e = squared - 1.0F;
   constexpr float kClose = 3e-3F;  // error of the series: 1e-8
   if (!anyLane(e * e > fill(kClose * kClose))) return 1.0F + e * (-0.5F + e * 0.375F);
-  Lanes inverse;
+  Lanes inverse = {};
   for (int k = 0; k < kLanes; ++k) inverse[k] = 1.0F / std::sqrt(squared[k]);
   return inverse;
 }
