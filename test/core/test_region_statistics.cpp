@@ -131,8 +131,9 @@ TEST(RegionStatistics, OnePassReachesTheConvergedPlane) {
       across += std::pow(regions[0].plane.signedDistance(scan.grid.point(i).cast<double>()), 2.0);
       mean += scan.grid.point(i).cast<double>();
     }
-    EXPECT_NEAR(regions[0].rms, std::sqrt(across / pixels.size()), 5e-3 * regions[0].rms) << scan.what;
-    EXPECT_LT((regions[0].centroid - mean / pixels.size()).norm(), 1e-5) << scan.what;
+    const auto n = static_cast<double>(pixels.size());
+    EXPECT_NEAR(regions[0].rms, std::sqrt(across / n), 5e-3 * regions[0].rms) << scan.what;
+    EXPECT_LT((regions[0].centroid - mean / n).norm(), 1e-5) << scan.what;
     EXPECT_EQ(regions[0].points, static_cast<int>(pixels.size()));
   }
 }
