@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 
 namespace ppc {
@@ -13,6 +14,7 @@ namespace {
 
 constexpr int kSample = 512;    // points
 constexpr int kSampleRun = 16;  // neighbours among them
+constexpr int kRuns = kSample / kSampleRun;
 constexpr int kMaxSteps = 8;
 constexpr int kMaxTrimmedSteps = 4;             // if the sample is the region; one, if there are points to come
 constexpr double kSettled = 0.2;                // gain of a step, in variances of the errors
@@ -28,7 +30,16 @@ constexpr double kRounding = 1e-5;              // of the range, in single preci
 constexpr double kEdgeOn = 30.0;                // times as far off the plane along the beams as off that across
 constexpr double kExact = 1e-4;                 // of the range: errors that do not matter
 
-// Fills the sample. @return whether it is all of the region.
+// Where run k begins among so many pixels: somewhere in its part of them, another place from part to part, for if rows are
+// as long as each other, runs at even distances may all lie in the same columns.
+long long runBegin(long long pixels, int k) {
+  constexpr std::uint32_t kGolden = 2654435769U;  // over 2^32: the golden ratio's fraction, whose multiples spread evenly
+  const long long first = pixels * k / kRuns, last = pixels * (k + 1) / kRuns;
+  const auto share = static_cast<std::uint32_t>(k) * kGolden;
+  return first + static_cast<long long>((static_cast<std::uint64_t>(last - first) * share) >> 32U);
+}
+
+// Fills the sample: all of the region, or runs of it, which go on in the next block if one is too short. @return which.
 bool takeSample(const PixelBlock* begin, const PixelBlock* end, std::vector<PixelBlock>& sample) {
   long long pixels = 0;
   for (const PixelBlock* block = begin; block != end; ++block) pixels += block->end - block->begin;
@@ -36,14 +47,22 @@ bool takeSample(const PixelBlock* begin, const PixelBlock* end, std::vector<Pixe
     sample.assign(begin, end);
     return true;
   }
-  constexpr int kRuns = kSample / kSampleRun;
   sample.clear();
-  long long before = 0, taken = 0, next = 0;
+  long long before = 0;
+  int run = 0, left = 0;  // the next one; pixels that are still to be taken for the last one
   for (const PixelBlock* block = begin; block != end; ++block) {
     const int length = block->end - block->begin;
-    for (; next < before + length; next = ++taken * pixels / kRuns) {
-      const int first = block->begin + static_cast<int>(next - before);
-      sample.push_back({first, std::min(first + kSampleRun, block->end)});
+    for (int at = 0; at < length;) {
+      if (left == 0) {
+        if (run == kRuns || runBegin(pixels, run) >= before + length) break;
+        at = std::max(at, static_cast<int>(runBegin(pixels, run) - before));
+        left = kSampleRun;
+        ++run;
+      }
+      const int taken = std::min(left, length - at);
+      sample.push_back({block->begin + at, block->begin + at + taken});
+      at += taken;
+      left -= taken;
     }
     before += length;
   }
@@ -84,7 +103,7 @@ double errorOf(const BeamGrid& grid, const std::vector<PixelBlock>& blocks, cons
       }
     }
   }
-  return kSigmaOfMedian * std::sqrt(medianOf(squares));
+  return squares.empty() ? 0.0 : kSigmaOfMedian * std::sqrt(medianOf(squares));
 }
 
 // One standard deviation of the noise of the ranges, told from the second differences of neighbours in a row [m].

@@ -108,7 +108,7 @@ class LabelSplitter {
     }
     const SurfaceCut cut = bestCut(surface_, kMinSide * smallest_);
     const double significant = kSignificance * tolerance_.inflationOf(kMinSide * smallest_);
-    if (cut.gain < significant || cut.gain < bowGain(surface_) + significant) return false;
+    if (!(cut.gain >= significant) || !(cut.gain >= bowGain(surface_) + significant)) return false;
     split = {cut, {}, {}};
     for (int i = part.begin; i < part.end; ++i) {
       (isBeyond(cut, places_[i]) ? split.high : split.low).sum += momentsOf(places_[i]);

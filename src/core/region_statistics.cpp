@@ -144,9 +144,18 @@ class RegionFitter {
       stages_[id] = Stage::kAcross;
       return;
     }
+    if (sums.kept < sums.used / 2) {  // the sample told too little of the errors
+      start.scale.limit = kNoLimit;
+      if (last) stages_[id] = Stage::kAcross;
+      return;
+    }
     const Plane plane = movedBy(*step, start.frame, start.origin);
     const Eigen::Vector3d beam = start.frame.meanOf(sums) - start.origin;
     const double incidence = plane.normal.dot(beam) / start.frame.plane().normal.dot(beam);
+    if (!plane.normal.allFinite() || !std::isfinite(plane.d) || !(incidence > 0.0)) {
+      stages_[id] = Stage::kAcross;
+      return;
+    }
     if ((step->gain > kFarStep * sums.whh || std::abs(incidence - 1.0) > kFarTurn) && !last) {
       start.frame = BeamFrame(plane, start.frame.centre());
       return;
@@ -156,7 +165,7 @@ class RegionFitter {
     region.centroid = start.frame.meanOf(sums);
     region.points = sums.valid;
     // The step brings all points nearer, at the kept ones' mean incidence, and changes that.
-    region.rms = std::abs(incidence) * std::sqrt(std::max(0.0, sums.hh - step->gain * sums.kept / sums.w) / sums.valid);
+    region.rms = incidence * std::sqrt(std::max(0.0, sums.hh - step->gain * sums.kept / sums.w) / sums.valid);
     const double variance = std::max(0.0, sums.whh - step->gain) / std::max(1, sums.kept - 3);
     region.covariance = planeCovariance(*step, start.frame, plane, scale * scale * variance);
     stages_[id] = Stage::kDone;

@@ -121,10 +121,11 @@ TEST(RegionStatistics, OnePassReachesTheConvergedPlane) {
     const auto regions = describeRegions(scan.grid, labels);
     ASSERT_EQ(regions.size(), 1U) << scan.what;
     const std::vector<int> pixels = pixelsOf(scan.grid, labels, 1);
-    const Plane squares = naiveBeamFit(scan.grid, pixels, scan.truth);
+    const double softness = pixels.size() < 64 ? 0.0 : std::pow(0.0025 / scan.sigma, 2.0);  // errors across, see BeamStart
+    const Plane squares = naiveBeamFit(scan.grid, pixels, scan.truth, 1e9, softness);
     const double limit = pixels.size() < 64 ? 1e9 : naiveLimit(scan.grid, pixels, squares);
-    const Plane trimmed = naiveBeamFit(scan.grid, pixels, squares, limit);
-    EXPECT_LT(normalisedErrorSquared(regions[0], trimmed), 0.6) << scan.what;
+    const Plane trimmed = naiveBeamFit(scan.grid, pixels, squares, limit, softness);
+    EXPECT_LT(normalisedErrorSquared(regions[0], trimmed), scan.cautious ? 2.0 : 0.6) << scan.what;  // softness is estimated
     double across = 0.0;
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (const int i : pixels) {
@@ -170,6 +171,39 @@ TEST(RegionStatistics, PlaneThroughTheSensorIsFitAcross) {
   ASSERT_EQ(regions.size(), 1U);
   EXPECT_GT(std::abs(regions[0].plane.normal.y()), 0.9999);
   EXPECT_NEAR(regions[0].rms, 0.001, 1e-5);
+}
+
+// Bowed by 3 cm, in as many rows as make runs at even distances lie above each other: a sample of one strip of it would tell
+// another plane, and a limit that leaves most of it out.
+TEST(RegionStatistics, ABowedWallIsFittedOverAllOfItsWidth) {
+  BeamGrid grid = toBeamGrid(noddingScan(64, 1080, -8 * kDegree, 8 * kDegree, 30 * kDegree));
+  const Plane wall{-Eigen::Vector3d::UnitX(), -3.0};
+  const LabelImage labels = scanFaces({{wall, kAnywhere}}, grid);
+  addNoise(grid, 0.01);
+  const double half = 3.0 * std::tan(30 * kDegree);
+  for (int i = 0; i < grid.size(); ++i) grid.range[i] += static_cast<float>(0.03 * std::pow(grid.point(i).y() / half, 2.0));
+  const auto regions = describeRegions(grid, labels);
+  ASSERT_EQ(regions.size(), 1U);
+  const Plane squares = naiveBeamFit(grid, pixelsOf(grid, labels, 1), wall);
+  EXPECT_LT(angleBetween(regions[0].plane.normal, squares.normal), 0.03 * kDegree);
+}
+
+// Two pixels wide, as is a door's edge, with some wrong points: the sample must have enough to tell them.
+TEST(RegionStatistics, WrongPointsDoNotMoveAThinRegion) {
+  BeamGrid grid = toBeamGrid(noddingScan(300, 40, -30 * kDegree, 30 * kDegree, 5 * kDegree));
+  const Plane wall{Eigen::Vector3d(-1.0, 0.3, 0.0).normalized(), -2.0};
+  LabelImage labels = scanFaces({{wall, kAnywhere}}, grid);
+  addNoise(grid, 0.01);
+  for (int r = 0; r < grid.rows; ++r) {
+    for (int c = 0; c < grid.cols; ++c) {
+      if (c < 20 || c > 21) labels.labels[grid.index(r, c)] = 0;
+      if (r % 16 == 3) grid.range[grid.index(r, c)] += 0.15F;
+    }
+  }
+  const auto regions = describeRegions(grid, labels);
+  ASSERT_EQ(regions.size(), 1U);
+  const Eigen::Vector3d middle = regions[0].centroid - wall.signedDistance(regions[0].centroid) * wall.normal;
+  EXPECT_LT(std::abs(regions[0].plane.signedDistance(middle)), 0.003);
 }
 
 TEST(RegionStatistics, ThreadsChangeNothing) {

@@ -49,7 +49,8 @@ inline void prefetchBeams(const BeamGrid& grid, int i) {
 /// @brief Beams of a range image. @throws std::invalid_argument as checkConsistent().
 BeamGrid toBeamGrid(const RangeImage& image);
 
-/// @brief What the beams of all rows of a range image share, column by column; one more entry than columns, for vector code.
+/// @brief What the beams of all rows of a range image share, column by column; three more
+/// entries than columns, for vector code.
 struct BeamColumns {
   std::vector<float> cosine, sine;  ///< of the bearing
   std::vector<float> along;         ///< 0..1 between the two poses on either side

@@ -21,7 +21,7 @@ class WorkerPool {
   WorkerPool& operator=(const WorkerPool&) = delete;
 
   /// @brief The one of the process. It has no threads before its first call, and ends them when the process ends or this
-  /// library is unloaded.
+  /// library is unloaded. So no f may call exit(), nor may a forked child, which has none of the threads; _exit() does.
   static WorkerPool& ofProcess();
 
   /// @brief Calls f(worker) once for each worker in [0, workers) (at least one) and returns when all are done: the first on
