@@ -2,6 +2,7 @@
 #include "patch_plane_clustering/core/region_merging.h"
 
 #include "patch_plane_clustering/core/label_meetings.h"
+#include "patch_plane_clustering/core/whole_tolerance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,9 +13,7 @@
 namespace ppc {
 namespace {
 
-constexpr double kWholeTolerance = 1.5;  // tolerance over a whole region over that from patch to patch
-constexpr double kStepTolerance = 1.0;   // tolerance of a step along a border, likewise
-constexpr double kMaxRadius = 0.5;       // of a region, for the tolerance of its angle [m]
+constexpr double kStepTolerance = 1.0;  // tolerance of a step along a border over that from patch to patch
 // Regions turned by less, in tolerances of the angle, may be one bowed wall. For them:
 constexpr double kHardlyTurned = 10.0;
 constexpr double kWholeTurn = 4.0;     // tolerance of the angle over a whole region over that from patch to patch
@@ -35,18 +34,14 @@ double wholeSimilarity(const Whole& a, const Whole& b, const PlaneFit& joint, co
   const Moments& small = a.moments.n < b.moments.n ? a.moments : b.moments;
   const double range = small.mean().norm();
   const double sigma = noise.sigma(range);
-  CoplanarityTolerance whole = tolerance.forNoise(sigma);
-  whole.sigma_distance *= kWholeTolerance;
-  double max_radius = kMaxRadius;
+  CoplanarityTolerance whole = wholeTolerance(tolerance, sigma, small.n);
+  double max_radius = kMaxWholeRadius;
   if (a.fit.normal().dot(b.fit.normal()) > std::cos(kHardlyTurned * tolerance.sigma_angle)) {
     whole.sigma_angle *= kWholeTurn;
     max_radius = kMaxBowRadius;
   }
-  whole.inflation = tolerance.inflationOf(small.n);
-  // A plane across an edge is seen more obliquely than those of both sides, on which the tolerance is to be had. Where
-  // errors are correlated, those are not known well enough.
-  double sec2 = secantSquared(joint.a, range);
-  if (tolerance.isWhite()) sec2 = std::min({sec2, secantSquared(a.fit.a, range), secantSquared(b.fit.a, range)});
+  // Where errors are correlated, the planes of the parts are not known well enough.
+  const double sec2 = tolerance.isWhite() ? leastSecantSquared(joint, a.fit, b.fit, range) : secantSquared(joint.a, range);
   return similarity(joint.chi2 - a.fit.chi2 - b.fit.chi2, small.n / (sigma * sigma), std::min(small.radius(), max_radius),
                     sec2, whole);
 }

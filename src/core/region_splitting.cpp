@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/region_splitting.h"
 
+#include "patch_plane_clustering/core/whole_tolerance.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -10,12 +12,10 @@ namespace ppc {
 namespace {
 
 constexpr int kFewestCells = 12, kMostCells = 300;
-constexpr double kSignificance = 30.0;   // of a cut, over one plane and one quadratic surface: far beyond chi-square
-constexpr double kWholeTolerance = 1.5;  // tolerance over a whole side over that from patch to patch, as labels merge
-constexpr double kMaxRadius = 0.5;       // of a side, for the tolerance of its angle [m]
-constexpr double kMinMisfit = 0.5;       // of both sides on one plane
-constexpr double kNoise = 3.3;           // standard deviations of chi-square that noise alone may leave
-constexpr double kMinSide = 0.25;        // points of a side over those of a region, as in the second pass
+constexpr double kSignificance = 30.0;  // of a cut, over one plane and one quadratic surface: far beyond chi-square
+constexpr double kMinMisfit = 0.5;      // of both sides on one plane
+constexpr double kNoise = 3.3;          // standard deviations of chi-square that noise alone may leave
+constexpr double kMinSide = 0.25;       // points of a side over those of a region, as in the second pass
 
 using Place = LabelSplitMemory::Place;
 using Part = LabelSplitMemory::Part;
@@ -128,14 +128,9 @@ class LabelSplitter {
   bool isBeyondTolerance(const Side& low, const Side& high, const PlaneFit& whole) const {
     const Moments& small = low.sum.n < high.sum.n ? low.sum : high.sum;
     const double range = small.mean().norm(), sigma = noise_.sigma(range);
-    CoplanarityTolerance allowed = tolerance_.forNoise(sigma);
-    allowed.sigma_distance *= kWholeTolerance;
-    allowed.inflation = tolerance_.inflationOf(small.n);
-    // A plane across an edge is seen more obliquely than the planes of the sides, on which the tolerance is to be had.
-    const double sec2 =
-        std::min({secantSquared(whole.a, range), secantSquared(low.fit.a, range), secantSquared(high.fit.a, range)});
-    return misfit(whole.chi2 - low.fit.chi2 - high.fit.chi2, small.n / (sigma * sigma), std::min(small.radius(), kMaxRadius),
-                  sec2, allowed) > kMinMisfit;
+    return misfit(whole.chi2 - low.fit.chi2 - high.fit.chi2, small.n / (sigma * sigma),
+                  std::min(small.radius(), kMaxWholeRadius), leastSecantSquared(whole, low.fit, high.fit, range),
+                  wholeTolerance(tolerance_, sigma, small.n)) > kMinMisfit;
   }
 
   // Gives the side of fewer points a new label. @return the first of its places.
