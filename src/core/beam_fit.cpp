@@ -80,7 +80,7 @@ class BeamSummer {
         cosine_share_(fill(static_cast<float>(1.0 / (1.0 + scale.softness)))),
         constant_share_(fill(static_cast<float>(scale.softness / (1.0 + scale.softness)))) {}
 
-  void add(const PixelBlock& block, LaneSums& s) const {
+  void add(const PixelStretch& block, LaneSums& s) const {
     int i = block.begin;
     for (; i + kLanes <= block.end; i += kLanes) {
       addBeams([i](const float* from) { return loadLanes<Lanes>(from + i); }, fillMask(-1), s);
@@ -183,11 +183,11 @@ class BeamSummer {
 };
 
 template <BeamWeights kWeights, bool kOrigins>
-BeamSums sumBlocks(const BeamGrid& grid, const PixelBlock* begin, const PixelBlock* end, const BeamFrame& frame,
+BeamSums sumBlocks(const BeamGrid& grid, const PixelStretch* begin, const PixelStretch* end, const BeamFrame& frame,
                    const ErrorScale& scale) {
   const BeamSummer<kWeights, kOrigins> summer(grid, frame, scale);
   BeamSums sums;
-  for (const PixelBlock* block = begin; block != end;) {
+  for (const PixelStretch* block = begin; block != end;) {
     LaneSums lanes;
     for (int pixels = 0; block != end && pixels < kKeptPixels; ++block) {
       pixels += block->end - block->begin;
@@ -199,13 +199,22 @@ BeamSums sumBlocks(const BeamGrid& grid, const PixelBlock* begin, const PixelBlo
 }
 
 template <BeamWeights kWeights>
-BeamSums sumBlocks(const BeamGrid& grid, const PixelBlock* begin, const PixelBlock* end, const BeamFrame& frame,
+BeamSums sumBlocks(const BeamGrid& grid, const PixelStretch* begin, const PixelStretch* end, const BeamFrame& frame,
                    const ErrorScale& scale) {
   return grid.origin_x.empty() ? sumBlocks<kWeights, false>(grid, begin, end, frame, scale)
                                : sumBlocks<kWeights, true>(grid, begin, end, frame, scale);
 }
 
 }  // namespace
+
+int firstValid(const BeamGrid& grid, const PixelStretch* begin, const PixelStretch* end) {
+  for (const PixelStretch* stretch = begin; stretch != end; ++stretch) {
+    for (int i = stretch->begin; i < stretch->end; ++i) {
+      if (grid.valid(i)) return i;
+    }
+  }
+  return -1;
+}
 
 BeamSums& BeamSums::operator+=(const BeamSums& o) {
   w += o.w;
@@ -248,7 +257,7 @@ Eigen::Vector3d BeamFrame::meanOf(const BeamSums& sums) const {
   return centre_ + mean;
 }
 
-BeamSums sumBeams(const BeamGrid& grid, const PixelBlock* begin, const PixelBlock* end, const BeamFrame& frame,
+BeamSums sumBeams(const BeamGrid& grid, const PixelStretch* begin, const PixelStretch* end, const BeamFrame& frame,
                   BeamWeights weights, const ErrorScale& scale) {
   switch (weights) {
     case BeamWeights::kInverse:

@@ -2,6 +2,7 @@
 #include "patch_plane_clustering/core/beam_start.h"
 
 #include "patch_plane_clustering/core/across_fit.h"
+#include "patch_plane_clustering/core/quantile.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,12 +24,11 @@ constexpr int kDifferenceStep = 3;              // pixels: they share no neighbo
 constexpr std::size_t kFewestDifferences = 12;  // of neighbours, for noise to have one
 // Errors across the beams, of their angles, lever arm and spot [m]: as large as the noise, within these limits.
 constexpr double kLeastAcross = 0.00075, kAcross = 0.0025;
-constexpr double kMaxSoftness = 100.0;          // which is total least squares
-constexpr double kTrim = 2.5;                   // standard deviations
-constexpr double kSigmaOfMedian = 1.482602219;  // of absolute errors
-constexpr double kRounding = 1e-5;              // of the range, in single precision
-constexpr double kEdgeOn = 30.0;                // times as far off the plane along the beams as off that across
-constexpr double kExact = 1e-4;                 // of the range: errors that do not matter
+constexpr double kMaxSoftness = 100.0;  // which is total least squares
+constexpr double kTrim = 2.5;           // standard deviations
+constexpr double kRounding = 1e-5;      // of the range, in single precision
+constexpr double kEdgeOn = 30.0;        // times as far off the plane along the beams as off that across
+constexpr double kExact = 1e-4;         // of the range: errors that do not matter
 
 // Where run k begins among so many pixels: somewhere in its part of them, another place from part to part, for if rows are
 // as long as each other, runs at even distances may all lie in the same columns.
@@ -40,9 +40,9 @@ long long runBegin(long long pixels, int k) {
 }
 
 // Fills the sample: all of the region, or runs of it, which go on in the next block if one is too short. @return which.
-bool takeSample(const PixelBlock* begin, const PixelBlock* end, std::vector<PixelBlock>& sample) {
+bool takeSample(const PixelStretch* begin, const PixelStretch* end, std::vector<PixelStretch>& sample) {
   long long pixels = 0;
-  for (const PixelBlock* block = begin; block != end; ++block) pixels += block->end - block->begin;
+  for (const PixelStretch* block = begin; block != end; ++block) pixels += block->end - block->begin;
   if (pixels <= kSample) {
     sample.assign(begin, end);
     return true;
@@ -50,7 +50,7 @@ bool takeSample(const PixelBlock* begin, const PixelBlock* end, std::vector<Pixe
   sample.clear();
   long long before = 0;
   int run = 0, left = 0;  // the next one; pixels that are still to be taken for the last one
-  for (const PixelBlock* block = begin; block != end; ++block) {
+  for (const PixelStretch* block = begin; block != end; ++block) {
     const int length = block->end - block->begin;
     for (int at = 0; at < length;) {
       if (left == 0) {
@@ -69,30 +69,14 @@ bool takeSample(const PixelBlock* begin, const PixelBlock* end, std::vector<Pixe
   return false;
 }
 
-int firstValid(const BeamGrid& grid, const std::vector<PixelBlock>& blocks) {
-  for (const PixelBlock& block : blocks) {
-    for (int i = block.begin; i < block.end; ++i) {
-      if (grid.valid(i)) return i;
-    }
-  }
-  return -1;
-}
-
-// The value that half of them do not reach. They are put into another order.
-double medianOf(std::vector<float>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return static_cast<double>(*middle);
-}
-
 // One standard deviation of the errors, as sumBeams() weighs them, told from the median of every other four [m].
-double errorOf(const BeamGrid& grid, const std::vector<PixelBlock>& blocks, const Plane& plane, double softness,
+double errorOf(const BeamGrid& grid, const std::vector<PixelStretch>& blocks, const Plane& plane, double softness,
                std::vector<float>& squares) {
   const Lanes nx = fill(static_cast<float>(plane.normal.x())), ny = fill(static_cast<float>(plane.normal.y())),
               nz = fill(static_cast<float>(plane.normal.z())), d = fill(static_cast<float>(plane.d)),
               soft = fill(static_cast<float>(softness)), whole = fill(static_cast<float>(1.0 + softness));
   squares.clear();
-  for (const PixelBlock& block : blocks) {
+  for (const PixelStretch& block : blocks) {
     for (int i = block.begin; i < block.end; i += 2 * kLanes) {
       const BeamLanes beam(grid, i, block.end - i);
       const Lanes cosine = nx * beam.dir_x + ny * beam.dir_y + nz * beam.dir_z;
@@ -103,39 +87,40 @@ double errorOf(const BeamGrid& grid, const std::vector<PixelBlock>& blocks, cons
       }
     }
   }
-  return squares.empty() ? 0.0 : kSigmaOfMedian * std::sqrt(medianOf(squares));
+  return squares.empty() ? 0.0 : kMadToSigma * std::sqrt(static_cast<double>(median(squares)));
 }
 
 // One standard deviation of the noise of the ranges, told from the second differences of neighbours in a row [m].
-std::optional<double> noiseOf(const BeamGrid& grid, const std::vector<PixelBlock>& blocks, std::vector<float>& differences) {
+std::optional<double> noiseOf(const BeamGrid& grid, const std::vector<PixelStretch>& blocks,
+                              std::vector<float>& differences) {
   differences.clear();
-  for (const PixelBlock& block : blocks) {
+  for (const PixelStretch& block : blocks) {
     for (int i = block.begin + 1; i + 1 < block.end; i += kDifferenceStep) {
       if (!grid.valid(i - 1) || !grid.valid(i) || !grid.valid(i + 1)) continue;
       differences.push_back(std::abs(grid.range[i - 1] - 2.0F * grid.range[i] + grid.range[i + 1]));
     }
   }
   if (differences.size() < kFewestDifferences) return std::nullopt;
-  return kSigmaOfMedian * medianOf(differences) / std::sqrt(6.0);
+  return kMadToSigma * static_cast<double>(median(differences)) / std::sqrt(6.0);
 }
 
 // Fits the sample of a region.
 class Starter {
  public:
-  Starter(const BeamGrid& grid, const PixelBlock* begin, const PixelBlock* end, BeamStartMemory& memory)
+  Starter(const BeamGrid& grid, const PixelStretch* begin, const PixelStretch* end, BeamStartMemory& memory)
       : grid_(grid), sample_(memory.sample), values_(memory.values), is_region_(takeSample(begin, end, memory.sample)) {}
 
   BeamStart find() {
-    for (const PixelBlock& block : sample_) {  // runs are far apart: all are fetched at a time
+    for (const PixelStretch& block : sample_) {  // runs are far apart: all are fetched at a time
       prefetchBeams(grid_, block.begin);
       prefetchBeams(grid_, block.end - 1);
     }
-    const int first = firstValid(grid_, sample_);
+    const int first = firstValid(grid_, sample_.data(), sample_.data() + sample_.size());
     if (first < 0) return start_;
     PointSums points;
     const Eigen::Vector3d about = grid_.point(first).cast<double>();
     start_.origin = grid_.origin(first).cast<double>();
-    for (const PixelBlock& block : sample_) addPoints(grid_, block.begin, block.end, about, points);
+    for (const PixelStretch& block : sample_) addPoints(grid_, block.begin, block.end, about, points);
     if (points.n < 3) return start_;
     const PlanarRegion across = fitAcross(0, about, points);
     centroid_ = across.centroid;
@@ -197,7 +182,7 @@ class Starter {
   }
 
   const BeamGrid& grid_;
-  const std::vector<PixelBlock>& sample_;
+  const std::vector<PixelStretch>& sample_;
   std::vector<float>& values_;
   bool is_region_;  // all of it
   BeamStart start_;
@@ -207,7 +192,7 @@ class Starter {
 
 }  // namespace
 
-BeamStart startOf(const BeamGrid& grid, const PixelBlock* begin, const PixelBlock* end, BeamStartMemory& memory) {
+BeamStart startOf(const BeamGrid& grid, const PixelStretch* begin, const PixelStretch* end, BeamStartMemory& memory) {
   return Starter(grid, begin, end, memory).find();
 }
 

@@ -76,7 +76,7 @@ class RegionFitter {
     const std::vector<PointSums>& points = memory_.point_sums;
     if (!sumChunks(Stage::kAcross, memory_.point_parts, memory_.point_sums, [&](const Chunk& chunk) {
           PointSums sums;
-          for (const PixelBlock* at = chunk.begin; at != chunk.end; ++at) {
+          for (const PixelStretch* at = chunk.begin; at != chunk.end; ++at) {
             addPoints(grid_, at->begin, at->end, origins[chunk.id], sums);
           }
           return sums;
@@ -104,8 +104,8 @@ class RegionFitter {
   }
 
  private:
-  const PixelBlock* blocksBegin(std::size_t id) const { return memory_.blocks.data() + memory_.blocks_begin[id]; }
-  const PixelBlock* blocksEnd(std::size_t id) const { return blocksBegin(id + 1); }
+  const PixelStretch* blocksBegin(std::size_t id) const { return memory_.blocks.data() + memory_.blocks_begin[id]; }
+  const PixelStretch* blocksEnd(std::size_t id) const { return blocksBegin(id + 1); }
 
   // Sums over the chunks of every region at a stage, sum(chunk), added up in their order, however many threads there are.
   // Returns whether there is any.
@@ -115,9 +115,9 @@ class RegionFitter {
     chunks.clear();
     for (std::size_t id = 0; id < stages_.size(); ++id) {
       if (stages_[id] != stage) continue;
-      const PixelBlock* const end = blocksEnd(id);
-      for (const PixelBlock* at = blocksBegin(id); at != end;) {
-        const PixelBlock* const next = at + std::min<std::ptrdiff_t>(kChunkBlocks, end - at);
+      const PixelStretch* const end = blocksEnd(id);
+      for (const PixelStretch* at = blocksBegin(id); at != end;) {
+        const PixelStretch* const next = at + std::min<std::ptrdiff_t>(kChunkBlocks, end - at);
         chunks.push_back({id, at, next});
         at = next;
       }
@@ -173,12 +173,9 @@ class RegionFitter {
 
   // The first point of a region; the frame's origin if it has none.
   Eigen::Vector3d originOf(std::size_t id) const {
-    for (const PixelBlock* block = blocksBegin(id); block != blocksEnd(id); ++block) {
-      for (int i = block->begin; i < block->end; ++i) {
-        if (grid_.valid(i)) return grid_.point(i).cast<double>();
-      }
-    }
-    return Eigen::Vector3d::Zero();
+    const int first = firstValid(grid_, blocksBegin(id), blocksEnd(id));
+    if (first < 0) return Eigen::Vector3d::Zero();
+    return grid_.point(first).cast<double>();
   }
 
   const BeamGrid& grid_;

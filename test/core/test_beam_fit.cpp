@@ -29,14 +29,14 @@ TEST(BeamFit, SumsAreThoseOfEachPoint) {
   const Plane plane{Eigen::Vector3d(-1.0, 0.4, -0.2).normalized(), -2.0};
   for (const auto& [lever, softness] : {std::pair{0.0, 0.0}, {0.1, 0.0}, {0.1, 0.3}}) {
     const BeamGrid grid = noisyWall(plane, {lever, 0.0, 0.5 * lever});
-    const std::vector<PixelBlock> blocks{{3, 60}, {90, 91}, {91, 200}, {grid.size() - 7, grid.size()}};
+    const std::vector<PixelStretch> blocks{{3, 60}, {90, 91}, {91, 200}, {grid.size() - 7, grid.size()}};
     const double limit = 0.03;
     const BeamFrame frame({plane.normal, plane.d + 0.005}, {1.9, 0.1, 0.2});
     const BeamSums sums =
         sumBeams(grid, blocks.data(), blocks.data() + blocks.size(), frame, BeamWeights::kTrimmed, {limit, softness});
     BeamSums naive;
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    for (const PixelBlock& block : blocks) {
+    for (const PixelStretch& block : blocks) {
       for (int i = block.begin; i < block.end; ++i) {
         if (!grid.valid(i)) continue;
         const NaiveTerm term = naiveTerm(grid, i, frame.plane(), softness);
@@ -71,7 +71,7 @@ TEST(BeamFit, SumsAreThoseOfEachPoint) {
 TEST(BeamFit, BeamsAlongThePlaneAreNotUsed) {
   BeamGrid grid = toBeamGrid(noddingScan(2, 5, -0.1, 0.1, 0.1));
   std::fill(grid.range.begin(), grid.range.end(), 2.0F);
-  const PixelBlock all{0, grid.size()};
+  const PixelStretch all{0, grid.size()};
   const BeamFrame along({Eigen::Vector3d::UnitY(), 0.0}, {2.0, 0.0, 0.0});
   const BeamSums sums = sumBeams(grid, &all, &all + 1, along, BeamWeights::kTrimmed, {1e9});
   EXPECT_EQ(sums.valid, 10);
@@ -84,7 +84,7 @@ TEST(BeamFit, InverseRangesLeadToThePlaneInOneStep) {
   const Plane plane{Eigen::Vector3d(-0.26, 0.97, 0.05).normalized(), -0.5};
   BeamGrid grid = toBeamGrid(noddingScan(20, 30, -10 * kDegree, 10 * kDegree, 10 * kDegree));
   scanFaces({{plane, kAnywhere}}, grid);
-  const std::vector<PixelBlock> blocks{{0, 200}, {200, 400}, {400, 600}};
+  const std::vector<PixelStretch> blocks{{0, 200}, {200, 400}, {400, 600}};
   const BeamFrame facing({-Eigen::Vector3d::UnitX(), -2.0}, {2.0, 0.0, 0.0});
   const BeamSums sums = sumBeams(grid, blocks.data(), blocks.data() + blocks.size(), facing, BeamWeights::kInverse);
   const std::optional<BeamStep> step = stepOf(sums);
@@ -97,7 +97,7 @@ TEST(BeamFit, InverseRangesLeadToThePlaneInOneStep) {
 TEST(BeamFit, ReachesTheConvergedPlane) {
   const Plane plane{Eigen::Vector3d(-1.0, 0.8, 0.1).normalized(), -2.0};
   const BeamGrid grid = noisyWall(plane, {0.05, 0.0, 0.02});
-  std::vector<PixelBlock> blocks;
+  std::vector<PixelStretch> blocks;
   std::vector<int> pixels;
   for (int r = 0; r < grid.rows; ++r) blocks.push_back({r * grid.cols, (r + 1) * grid.cols});
   for (int i = 0; i < grid.size(); ++i) {
@@ -121,7 +121,7 @@ TEST(BeamFit, ReachesTheConvergedPlane) {
 TEST(BeamFit, IsTotalLeastSquaresWithoutErrorsAlongBeams) {
   const Plane plane{Eigen::Vector3d(-1.0, 0.8, 0.1).normalized(), -2.0};
   const BeamGrid grid = noisyWall(plane, {0.05, 0.0, 0.02});
-  const PixelBlock all{0, grid.size()};
+  const PixelStretch all{0, grid.size()};
   PointSums points;
   const Eigen::Vector3d about(2.0, 0.0, 0.0);
   addPoints(grid, 0, grid.size(), about, points);

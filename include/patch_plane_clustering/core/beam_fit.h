@@ -12,9 +12,12 @@
 namespace ppc {
 
 /// Neighbouring pixels of a row or of two, all of one region.
-struct PixelBlock {
+struct PixelStretch {
   int begin, end;
 };
+
+/// The first pixel with a measurement; -1 if there is none.
+int firstValid(const BeamGrid& grid, const PixelStretch* begin, const PixelStretch* end);
 
 /// How points weigh in a step of the fit.
 enum class BeamWeights {
@@ -68,7 +71,7 @@ class BeamFrame {
 };
 
 /// @brief Sums the valid points of some blocks. Four at a time in single precision; add up doubles of some hundred points.
-BeamSums sumBeams(const BeamGrid& grid, const PixelBlock* begin, const PixelBlock* end, const BeamFrame& frame,
+BeamSums sumBeams(const BeamGrid& grid, const PixelStretch* begin, const PixelStretch* end, const BeamFrame& frame,
                   BeamWeights weights, const ErrorScale& scale = {});
 
 /// @brief A Gauss-Newton step: in the frame's coordinates, the plane moves by x[0] a + x[1] b + x[2] along the normal.

@@ -17,7 +17,7 @@ struct BeamStart {
 
 /// @brief Working memory of startOf(), which one region after the other may use.
 struct BeamStartMemory {
-  std::vector<PixelBlock> sample;
+  std::vector<PixelStretch> sample;
   std::vector<float> values;  ///< to be sorted
 };
 
@@ -27,6 +27,6 @@ struct BeamStartMemory {
 /// standard deviations, which are told from the median of the errors. Real scans need those across: a thin region seen at a
 /// grazing angle would turn towards the sensor, as regression does whose regressors have errors.
 /// @param begin,end blocks of the region, in the order of the pixels.
-BeamStart startOf(const BeamGrid& grid, const PixelBlock* begin, const PixelBlock* end, BeamStartMemory& memory);
+BeamStart startOf(const BeamGrid& grid, const PixelStretch* begin, const PixelStretch* end, BeamStartMemory& memory);
 
 }  // namespace ppc

@@ -21,10 +21,10 @@ struct RegionMemory {
   /// Some blocks of one region: what a thread takes at a time, as one region may have most of the image.
   struct Chunk {
     std::size_t id;
-    const PixelBlock *begin, *end;
+    const PixelStretch *begin, *end;
   };
 
-  std::vector<PixelBlock> blocks;         ///< of all regions, label by label
+  std::vector<PixelStretch> blocks;       ///< of all regions, label by label
   std::vector<std::size_t> blocks_begin;  ///< of each label, and one past the last
   std::vector<Stage> stages;
   std::vector<BeamStart> starts;
