@@ -96,9 +96,23 @@ class Watcher:
         self.memory = []
         self.manager = None
         self.cpu_start = None
-        for topic, kind in (("range_image", RangeImage), ("segmented_points", PointCloud2),
-                            ("statistics", SegmentationStatistics)):
-            rospy.Subscriber(topic, kind, self.receive, callback_args=topic)
+        self.kinds = {"range_image": RangeImage, "segmented_points": PointCloud2, "statistics": SegmentationStatistics}
+        self.subscribers = {topic: self.subscribe(topic) for topic in self.kinds}
+        self.silent = set()  # topics that had a publisher and no connection when last looked at
+
+    def subscribe(self, topic):
+        return rospy.Subscriber(topic, self.kinds[topic], self.receive, callback_args=topic)
+
+    def renew_lost(self):
+        """Subscribes anew to what is published but was not connected twice in a row: told of one publisher several times
+        while it starts, rospy may drop all of its connections to it, and does not try again."""
+        published = {name for name, _ in rospy.get_published_topics()}
+        silent = {topic for topic, subscriber in self.subscribers.items()
+                  if subscriber.resolved_name in published and subscriber.get_num_connections() == 0}
+        for topic in silent & self.silent:
+            self.subscribers[topic].unregister()
+            self.subscribers[topic] = self.subscribe(topic)
+        self.silent = silent
 
     def receive(self, message, topic):
         with self.lock:
@@ -132,11 +146,21 @@ class Watcher:
 
     def run(self, deadline):
         """Waits until enough sweeps have come; False if they did not come by the deadline."""
-        with self.lock:
-            while not rospy.is_shutdown() and len(self.done) < (self.options.sweeps or sys.maxsize):
+        look = time.monotonic() + 2
+        while not rospy.is_shutdown():
+            with self.lock:
+                if len(self.done) >= (self.options.sweeps or sys.maxsize):
+                    break
                 self.lock.wait(0.2)
-                if time.monotonic() > deadline:
-                    return False
+            now = time.monotonic()
+            if now > deadline:
+                return False
+            if now > look:
+                look = now + 2
+                try:
+                    self.renew_lost()
+                except OSError:
+                    pass  # the master has ended before us
         return True
 
     def summary(self):
