@@ -113,6 +113,8 @@ class LabelSplitter {
     for (int i = part.begin; i < part.end; ++i) {
       (isBeyond(cut, places_[i]) ? split.high : split.low).sum += momentsOf(places_[i]);
     }
+    // Rounding may put cells that lie on the cut on its other side.
+    if (std::min(split.low.sum.n, split.high.sum.n) < kMinSide * smallest_) return false;
     split.low.fit = fitPlane(split.low.sum);
     split.high.fit = fitPlane(split.high.sum);
     return isExplained(split.low, split.high, fit) && isBeyondTolerance(split.low, split.high, fit);
