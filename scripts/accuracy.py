@@ -43,6 +43,7 @@ ABLATIONS = {
     'second pass': ['--set', 'second_pass=false'],
     'splitting of regions': ['--set', 'split_regions=false'],
     'settlement of borders': ['--set', 'settle_borders=false'],
+    'dissolution of regions': ['--set', 'dissolve_regions=false'],
     'borders along creases': ['--set', 'align_creases=false'],
     'filling of holes': ['--set', 'fill_holes=false'],
     'curvature test': ['--set', 'max_turn=10'],

@@ -46,6 +46,8 @@ std::vector<ConfigField> makeFields() {
                 "split regions that two planes explain far better than one, in the second pass"),
       PPC_FIELD("settle_borders", Type::kBool, 0, 1, settle_borders,
                 "let regions that meet compete once more for the points along their borders, after the last merge"),
+      PPC_FIELD("dissolve_regions", Type::kBool, 0, 1, dissolve_regions,
+                "dissolve thin regions that the planes around them explain better than their own plane does"),
       PPC_FIELD("align_creases", Type::kBool, 0, 1, align_creases,
                 "draw the borders of regions that meet at a crease along the line where their planes meet"),
       PPC_FIELD("fill_holes", Type::kBool, 0, 1, fill_holes,

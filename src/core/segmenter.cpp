@@ -15,6 +15,7 @@
 #include "patch_plane_clustering/core/patch_grid.h"
 #include "patch_plane_clustering/core/patch_labels.h"
 #include "patch_plane_clustering/core/refinement.h"
+#include "patch_plane_clustering/core/region_dissolution.h"
 #include "patch_plane_clustering/core/region_merging.h"
 #include "patch_plane_clustering/core/region_statistics.h"
 #include "patch_plane_clustering/core/stage_timer.h"
@@ -182,6 +183,11 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
   std::vector<Eigen::Vector3d>& piece_planes = memory.piece_planes;
   piece_planes.clear();
   for (const std::int32_t label : settle ? memory.settled : pieces.whole) piece_planes.push_back(planes[label]);
+  if (config.dissolve_regions && config.noise_aware) {
+    dissolveRegions(grid, piece_planes, patches.center, noise, tolerance, smallestRegion(config, grid.size()),
+                    memory.dissolution, labels);
+    timer.lap("dissolution");
+  }
   if (config.fill_holes) {
     fillHoles(grid, piece_planes, patches.center, noise, tolerance, smallestRegion(config, grid.size()), memory.holes,
               labels, config.threads);

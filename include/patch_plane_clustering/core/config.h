@@ -26,6 +26,7 @@ struct Config {
   bool second_pass = true;            ///< look for thin regions with smaller patches in what the first pass left over
   bool split_regions = true;          ///< split regions that two planes explain far better than one, in the second pass
   bool settle_borders = true;         ///< let regions that meet compete once more along their borders, after the last merge
+  bool dissolve_regions = true;       ///< dissolve thin regions that the planes around them explain better than their own
   bool align_creases = true;          ///< draw borders at creases along the line where the planes meet
   bool fill_holes = true;             ///< give bumps of noise inside of a region, too small for one, to it
   double max_turn = 0.45;             ///< regions whose normal turns by more from end to end are curved [rad]

@@ -16,6 +16,7 @@
 #include "patch_plane_clustering/core/patch_labels.h"
 #include "patch_plane_clustering/core/polygon_memory.h"
 #include "patch_plane_clustering/core/refinement.h"
+#include "patch_plane_clustering/core/region_dissolution.h"
 #include "patch_plane_clustering/core/region_merging.h"
 #include "patch_plane_clustering/core/region_splitting.h"
 #include "patch_plane_clustering/core/region_statistics.h"
@@ -57,6 +58,7 @@ struct ClusteringMemory {
   std::vector<std::int32_t> settled;  ///< label of every piece once borders are settled
   CurvatureMemory curvature;
   std::vector<Eigen::Vector3d> planes, piece_planes;  ///< of the labels, and of their pieces
+  DissolutionMemory dissolution;
   HoleMemory holes;
   CreaseMemory creases;
   FinishingMemory finishing;

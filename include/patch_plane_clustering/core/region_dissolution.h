@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/label_runs.h"
+#include "patch_plane_clustering/core/noise_model.h"
+#include "patch_plane_clustering/core/segmentation.h"
+#include "patch_plane_clustering/core/similarity.h"
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace ppc {
+
+/// @brief Working memory of dissolveRegions(), which one image after the other may use.
+struct DissolutionMemory {
+  struct Thin {  ///< a region, and its runs
+    std::int32_t label;
+    std::size_t begin, end;
+  };
+  std::vector<LabelRun> runs;        ///< of the image
+  std::vector<int> points;           ///< of each label
+  std::vector<int> inside;           ///< of each label that is small enough: points that touch no other one
+  std::vector<LabelRun> thin_runs;   ///< those of regions that may be thin, region by region
+  std::vector<Thin> thin;            ///< regions
+  std::vector<int> pixels;           ///< with a measurement, of the region that is looked at
+  std::vector<int> touches;          ///< of each label: how often that region touches it
+  std::vector<std::int32_t> around;  ///< labels that it touches
+  std::vector<float> costs;          ///< of each pixel for its own plane and for each of those around
+  std::vector<int> place;            ///< of a pixel of the image in `pixels`
+  std::vector<std::int32_t> given;   ///< of each pixel: its new label
+};
+
+/// @brief Dissolves regions that the planes around them explain better than their own plane does.
+///
+/// Where two faces meet in a low step, patches that lie across it have a plane of their own between the two, which passes
+/// for a face while the step is not much higher than the noise. Its points, though, are one by one nearer to either face
+/// than to it. So a region is dissolved if the mean square of its points' distances from its plane is larger than that of
+/// their distances from the nearest of the planes around. Only thin ones are judged, of which many points touch what is
+/// around: in a wide face between two others the nearest plane would change from point to point. Points go to that region
+/// around whose plane fits best over a small window, or to none.
+/// @param planes a (see moments.h) of every label. @param center origin of the planes [m]. @param smallest points that a
+/// region has at least: what is smaller is neither judged nor given any.
+void dissolveRegions(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
+                     const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, DissolutionMemory& memory,
+                     LabelImage& labels);
+
+/// @brief The same without memory.
+void dissolveRegions(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
+                     const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, LabelImage& labels);
+
+}  // namespace ppc

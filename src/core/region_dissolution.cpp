@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/region_dissolution.h"
+
+#include "patch_plane_clustering/core/lanes.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace ppc {
+namespace {
+
+constexpr int kLargest = 16;          // times the smallest region: what is larger is no trace of an edge
+constexpr double kMostInside = 0.7;   // share of the points that touch nothing else
+constexpr double kLeastTouch = 0.05;  // share of what a region touches that makes another one a neighbour
+constexpr int kSample = 100;          // points that are looked at first
+constexpr double kClearly = 2.0;      // times what its own plane costs: not explained, as few points tell
+constexpr float kFarthest2 = 25.0F;   // squared distance at which a point is an outlier, in variances
+constexpr float kFarthestOf2 = 9.0F;  // and at which it is not of a plane
+
+class Dissolver {
+ public:
+  Dissolver(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
+            const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, DissolutionMemory& memory,
+            LabelImage& labels)
+      : grid_(grid),
+        planes_(planes),
+        center_(center),
+        noise_(noise),
+        tolerance_(tolerance),
+        smallest_(smallest),
+        memory_(memory),
+        labels_(labels) {}
+
+  void dissolveAll() {
+    listRuns(labels_, memory_.runs);
+    memory_.points.assign(planes_.size(), 0);
+    for (const LabelRun& run : memory_.runs) memory_.points[run.label] += run.end - run.begin;
+    listThin();
+    memory_.touches.assign(planes_.size(), 0);
+    std::size_t explained = 0;  // by all that is around; but what is none itself is given nothing
+    for (const DissolutionMemory::Thin& thin : memory_.thin) {
+      lookAt(thin);
+      if (isExplained(thin.label)) memory_.thin[explained++] = thin;
+    }
+    memory_.thin.resize(explained);
+    for (const DissolutionMemory::Thin& thin : memory_.thin) memory_.points[thin.label] = 0;
+    for (const DissolutionMemory::Thin& thin : memory_.thin) {
+      lookAt(thin);
+      measure(thin.label, memory_.pixels.size());
+      giveAway(thin.label);
+    }
+  }
+
+ private:
+  bool isJudged(std::int32_t label) const {
+    return memory_.points[label] >= smallest_ && memory_.points[label] < kLargest * smallest_;
+  }
+
+  // Whether no pixel around has a measurement and another label.
+  bool isInside(int i) const {
+    const int row = i / grid_.cols, col = i % grid_.cols;
+    const int top = std::max(row - 1, 0), bottom = std::min(row + 1, grid_.rows - 1);
+    const int left = std::max(col - 1, 0), right = std::min(col + 1, grid_.cols - 1);
+    const std::int32_t label = labels_.labels[i];
+    for (int r = top; r <= bottom; ++r) {
+      for (int j = grid_.index(r, left); j <= grid_.index(r, right); ++j) {
+        if (labels_.labels[j] != label && grid_.valid(j)) return false;
+      }
+    }
+    return true;
+  }
+
+  // Pixels of a run about which there are none of another label; not those next to the ends of the image.
+  int countSurelyInside(const LabelRun& run) const {
+    const int first = std::max(run.begin + 1, grid_.cols + 1);
+    const int last = std::min(run.end - 1, grid_.size() - grid_.cols - 1 - kLanes);
+    const LaneMask label = fillMask(run.label);
+    const std::int32_t* const pixels = labels_.labels.data();
+    const auto same_beside = [&](int i) {
+      return (loadLanes<LaneMask>(pixels + i - 1) == label) & (loadLanes<LaneMask>(pixels + i) == label) &
+             (loadLanes<LaneMask>(pixels + i + 1) == label);
+    };
+    LaneMask inside{};
+    for (int i = first; i < last; i += kLanes) {
+      inside += firstLanes(last - i) & same_beside(i - grid_.cols) & same_beside(i + grid_.cols);
+    }
+    return countLanes(inside);
+  }
+
+  void listThin() {
+    std::vector<int>& inside = memory_.inside;
+    const auto is_thin = [&](std::int32_t label) {
+      return isJudged(label) && inside[label] < kMostInside * memory_.points[label];
+    };
+    inside.assign(planes_.size(), 0);
+    for (const LabelRun& run : memory_.runs) {
+      if (isJudged(run.label)) inside[run.label] += countSurelyInside(run);
+    }
+    std::vector<LabelRun>& runs = memory_.thin_runs;
+    runs.clear();
+    for (const LabelRun& run : memory_.runs) {
+      if (is_thin(run.label)) runs.push_back(run);
+    }
+    std::sort(runs.begin(), runs.end(), [](const LabelRun& a, const LabelRun& b) {
+      return a.label != b.label ? a.label < b.label : a.begin < b.begin;
+    });
+    memory_.thin.clear();
+    for (std::size_t begin = 0, end = 0; begin < runs.size(); begin = end) {
+      const std::int32_t label = runs[begin].label;
+      inside[label] = 0;
+      for (end = begin; end < runs.size() && runs[end].label == label; ++end) {
+        for (int i = runs[end].begin; i < runs[end].end; ++i) inside[label] += isInside(i) ? 1 : 0;
+      }
+      if (is_thin(label)) memory_.thin.push_back({label, begin, end});
+    }
+  }
+
+  // Lists the points of a region, and what is around it.
+  void lookAt(const DissolutionMemory::Thin& thin) {
+    memory_.pixels.clear();
+    for (std::size_t k = thin.begin; k < thin.end; ++k) {
+      for (int i = memory_.thin_runs[k].begin; i < memory_.thin_runs[k].end; ++i) {
+        if (grid_.valid(i)) memory_.pixels.push_back(i);
+      }
+    }
+    listAround(thin.label);
+  }
+
+  void listAround(std::int32_t label) {
+    std::vector<std::int32_t>& around = memory_.around;
+    around.clear();
+    int all = 0;
+    const auto touch = [&](int i) {
+      const std::int32_t other = labels_.labels[i];
+      if (other == label || !grid_.valid(i)) return;
+      ++all;
+      if (other == 0 || memory_.points[other] < smallest_) return;
+      if (memory_.touches[other]++ == 0) around.push_back(other);
+    };
+    for (const int i : memory_.pixels) {
+      const int row = i / grid_.cols, col = i % grid_.cols;
+      for (int step = 1; step <= 2; ++step) {
+        if (col >= step) touch(i - step);
+        if (col + step < grid_.cols) touch(i + step);
+        if (row >= step) touch(i - step * grid_.cols);
+        if (row + step < grid_.rows) touch(i + step * grid_.cols);
+      }
+    }
+    std::size_t kept = 0;
+    for (const std::int32_t other : around) {
+      if (memory_.touches[other] >= kLeastTouch * all) around[kept++] = other;
+      memory_.touches[other] = 0;
+    }
+    around.resize(kept);
+    std::sort(around.begin(), around.end());
+  }
+
+  // Squared distance of a point from a plane along its beam, in variances of noise and tolerance; capped.
+  float cost(int i, const Eigen::Vector3d& a, double variance) const {
+    const double along = a.dot(grid_.direction(i).cast<double>());
+    const double across = 1.0 + a.dot(center_) - a.dot(grid_.origin(i).cast<double>());
+    const double missed = grid_.range[i] * along - across;
+    if (!(across * along > 0.0)) return kFarthest2;  // the beam does not meet it
+    return static_cast<float>(std::min<double>(kFarthest2, missed * missed / (variance * along * along)));
+  }
+
+  // Sums what points cost for their own plane, and for the nearest one around. @param wanted of the points; all others are
+  // skipped, evenly. @return whether the latter is less than `factor` times the former.
+  bool measure(std::int32_t label, std::size_t wanted, double factor = 1.0) {
+    const std::vector<std::int32_t>& around = memory_.around;
+    const std::size_t step = std::max<std::size_t>(1, memory_.pixels.size() / std::max<std::size_t>(1, wanted));
+    memory_.costs.clear();
+    double own = 0.0, others = 0.0;
+    for (std::size_t p = 0; p < memory_.pixels.size(); p += step) {
+      const int i = memory_.pixels[p];
+      const double sigma = noise_.sigma(grid_.range[i]), floor = tolerance_.forNoise(sigma).sigma_distance;
+      const double variance = sigma * sigma + floor * floor;
+      memory_.costs.push_back(cost(i, planes_[label], variance));
+      own += memory_.costs.back();
+      float least = kFarthest2;
+      for (const std::int32_t other : around) {
+        memory_.costs.push_back(cost(i, planes_[other], variance));
+        least = std::min(least, memory_.costs.back());
+      }
+      others += least;
+    }
+    return others < factor * own;
+  }
+
+  // Most faces are clearly none of this: a few points tell.
+  bool isExplained(std::int32_t label) {
+    return !memory_.around.empty() && measure(label, kSample, kClearly) && measure(label, memory_.pixels.size());
+  }
+
+  void giveAway(std::int32_t label) {
+    const std::vector<int>& pixels = memory_.pixels;
+    const std::size_t count = memory_.around.size() + 1;
+    memory_.place.resize(static_cast<std::size_t>(grid_.size()));
+    for (std::size_t p = 0; p < pixels.size(); ++p) memory_.place[pixels[p]] = static_cast<int>(p);
+    memory_.given.resize(pixels.size());
+    for (std::size_t p = 0; p < pixels.size(); ++p) {
+      std::size_t best = 1;
+      float least = 0.0F;
+      for (std::size_t k = 1; k < count; ++k) {
+        const float sum = sumAround(pixels[p], label, k, count);
+        if (k > 1 && sum >= least) continue;
+        best = k;
+        least = sum;
+      }
+      const bool near = count > 1 && memory_.costs[p * count + best] < kFarthestOf2;
+      memory_.given[p] = near ? memory_.around[best - 1] : 0;
+    }
+    for (std::size_t p = 0; p < pixels.size(); ++p) labels_.labels[pixels[p]] = memory_.given[p];
+  }
+
+  // Costs of a plane at the region's pixels about one of them.
+  float sumAround(int i, std::int32_t label, std::size_t k, std::size_t count) const {
+    const int row = i / grid_.cols, col = i % grid_.cols;
+    const int top = std::max(row - 1, 0), bottom = std::min(row + 1, grid_.rows - 1);
+    const int left = std::max(col - 1, 0), right = std::min(col + 1, grid_.cols - 1);
+    float sum = 0.0F;
+    for (int r = top; r <= bottom; ++r) {
+      for (int j = grid_.index(r, left); j <= grid_.index(r, right); ++j) {
+        if (labels_.labels[j] != label) continue;
+        sum += std::min(kFarthestOf2, memory_.costs[static_cast<std::size_t>(memory_.place[j]) * count + k]);
+      }
+    }
+    return sum;
+  }
+
+  const BeamGrid& grid_;
+  const std::vector<Eigen::Vector3d>& planes_;
+  const Eigen::Vector3d& center_;
+  const NoiseModel& noise_;
+  const CoplanarityTolerance& tolerance_;
+  int smallest_;
+  DissolutionMemory& memory_;
+  LabelImage& labels_;
+};
+
+}  // namespace
+
+void dissolveRegions(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
+                     const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, DissolutionMemory& memory,
+                     LabelImage& labels) {
+  Dissolver(grid, planes, center, noise, tolerance, smallest, memory, labels).dissolveAll();
+}
+
+void dissolveRegions(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
+                     const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, LabelImage& labels) {
+  DissolutionMemory memory;
+  dissolveRegions(grid, planes, center, noise, tolerance, smallest, memory, labels);
+}
+
+}  // namespace ppc

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/region_dissolution.h"
+
+#include "analytic_scenes.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace ppc {
+namespace {
+
+using namespace testing_tools;
+
+constexpr int kRows = 90, kCols = 120, kSmallest = 100, kEdge = 60;
+constexpr double kSigma = 0.04, kNear = 3.0, kFar = 3.06;
+const NoiseModel kNoise(SensorModel{kSigma, kSigma, 10.0, 0.0}, 1.0);
+const CoplanarityTolerance kTolerance{0.005, 0.005, 1.0};
+
+// A low step in a wall at column kEdge, with noise: label 1 in front of it, 2 behind it, and a third label for columns
+// [begin, end) of all rows but the first few.
+struct Step {
+  BeamGrid grid = forwardBeams(kRows, kCols, 0.005);
+  LabelImage labels{kRows, kCols, {}};
+  std::vector<Eigen::Vector3d> planes{Eigen::Vector3d::Zero(), at(kNear), at(kFar)};
+
+  Step(int begin, int end, double distance) {
+    const auto left = [this](const Eigen::Vector3d& p) {
+      return p.y() / p.x() < -0.5 * (kCols - 1) * 0.005 + 0.005 * (kEdge - 0.5);
+    };
+    labels = scan({surfaceOf({{-Eigen::Vector3d::UnitX(), -kNear}, left}), wall({-1.0, 0.0, 0.0}, -kFar)}, grid);
+    addNoise(grid, kSigma);
+    planes.push_back(at(distance));
+    forEachPixel(begin, end, [&](int i) { labels.labels[i] = 3; });
+  }
+
+  static Eigen::Vector3d at(double distance) { return {1.0 / distance, 0.0, 0.0}; }
+
+  template <typename F>
+  void forEachPixel(int begin, int end, F&& f) const {
+    for (int r = 5; r < kRows; ++r) {
+      for (int c = begin; c < end; ++c) f(grid.index(r, c));
+    }
+  }
+
+  int left() {
+    dissolveRegions(grid, planes, Eigen::Vector3d::Zero(), kNoise, kTolerance, kSmallest, labels);
+    return countOf(labels, 3);
+  }
+
+  double shareOf(std::int32_t label, int begin, int end) const {
+    int all = 0, of_label = 0;
+    forEachPixel(begin, end, [&](int i) {
+      ++all;
+      of_label += labels.labels[i] == label ? 1 : 0;
+    });
+    return static_cast<double>(of_label) / all;
+  }
+};
+
+TEST(DissolveRegions, GivesTheTraceOfAStepToTheFacesBeside) {
+  Step step(kEdge - 3, kEdge + 3, 0.5 * (kNear + kFar));
+  EXPECT_EQ(step.left(), 0);
+  EXPECT_GT(step.shareOf(1, kEdge - 3, kEdge), 0.8);
+  EXPECT_GT(step.shareOf(2, kEdge, kEdge + 3), 0.8);
+  EXPECT_DOUBLE_EQ(step.shareOf(1, 0, kEdge - 3), 1.0);  // what was no part of it keeps its label
+  EXPECT_DOUBLE_EQ(step.shareOf(2, kEdge + 3, kCols), 1.0);
+}
+
+TEST(DissolveRegions, KeepsAThinFaceOfItsOwn) {
+  Step step(kEdge - 2, kEdge + 2, 2.7);
+  step.forEachPixel(kEdge - 2, kEdge + 2, [&](int i) { step.grid.range[i] -= static_cast<float>(kNear - 2.7); });
+  const int before = countOf(step.labels, 3);
+  EXPECT_EQ(step.left(), before);
+}
+
+TEST(DissolveRegions, KeepsAThinFaceThatTouchesNothing) {
+  Step step(kEdge - 2, kEdge + 2, 0.5 * (kNear + kFar));
+  for (std::int32_t& label : step.labels.labels) label = label == 3 ? 3 : 0;
+  const int before = countOf(step.labels, 3);
+  EXPECT_EQ(step.left(), before);
+}
+
+// Points of a face half way between two others are, one by one, nearer to either of those.
+TEST(DissolveRegions, KeepsAWideFaceBetweenTwoOthers) {
+  Step step(kEdge - 12, kEdge + 12, 0.5 * (kNear + kFar));
+  step.forEachPixel(kEdge - 12, kEdge, [&](int i) { step.grid.range[i] += static_cast<float>(0.5 * (kFar - kNear)); });
+  step.forEachPixel(kEdge, kEdge + 12, [&](int i) { step.grid.range[i] -= static_cast<float>(0.5 * (kFar - kNear)); });
+  const int before = countOf(step.labels, 3);
+  EXPECT_EQ(step.left(), before);
+}
+
+TEST(DissolveRegions, LeavesWhatIsNoRegion) {
+  Step step(kEdge - 1, kEdge + 1, 0.5 * (kNear + kFar));
+  for (int r = 5; r < kRows; ++r) {
+    if (r < 50) continue;
+    for (int c = kEdge - 1; c < kEdge + 1; ++c) step.labels.labels[step.grid.index(r, c)] = c < kEdge ? 1 : 2;
+  }
+  ASSERT_LT(countOf(step.labels, 3), kSmallest);
+  const int before = countOf(step.labels, 3);
+  EXPECT_EQ(step.left(), before);
+}
+
+TEST(DissolveRegions, GivesNothingToWhatIsNoRegion) {
+  Step step(kEdge - 3, kEdge + 3, 0.5 * (kNear + kFar));
+  for (int r = 0; r < kRows; ++r) {
+    for (int c = 0; c < kCols; ++c) {
+      std::int32_t& label = step.labels.labels[step.grid.index(r, c)];
+      if (label == 2 && (r >= 9 || c >= kEdge + 12)) label = 0;  // too small a rest of it
+    }
+  }
+  ASSERT_LT(countOf(step.labels, 2), kSmallest);
+  const int before = countOf(step.labels, 2);
+  step.left();
+  EXPECT_EQ(countOf(step.labels, 2), before);
+}
+
+TEST(DissolveRegions, LeavesOutliersToNoRegion) {
+  Step step(kEdge - 3, kEdge + 3, 0.5 * (kNear + kFar));
+  const int outlier = step.grid.index(40, kEdge);
+  step.grid.range[outlier] += 0.5F;
+  EXPECT_EQ(step.left(), 0);
+  EXPECT_EQ(step.labels.labels[outlier], 0);
+}
+
+TEST(DissolveRegions, PassesOverPixelsWithoutARange) {
+  Step step(kEdge - 3, kEdge + 3, 0.5 * (kNear + kFar));
+  for (int r = 0; r < kRows; r += 3) {
+    for (int c = 0; c < kCols; ++c) step.grid.range[step.grid.index(r, c)] = kNoRange;
+  }
+  step.left();
+  int kept = 0;
+  for (int i = 0; i < step.grid.size(); ++i) kept += step.labels.labels[i] == 3 && step.grid.valid(i) ? 1 : 0;
+  EXPECT_EQ(kept, 0);
+}
+
+TEST(DissolveRegions, LeavesAnImageWithoutRegionsAlone) {
+  Step step(kEdge, kEdge, kNear);
+  std::fill(step.labels.labels.begin(), step.labels.labels.end(), 0);
+  step.left();
+  EXPECT_EQ(countOf(step.labels, 0), step.grid.size());
+}
+
+}  // namespace
+}  // namespace ppc
