@@ -13,6 +13,7 @@ constexpr int kLargest = 16;          // times the smallest region: what is larg
 constexpr double kMostInside = 0.7;   // share of the points that touch nothing else
 constexpr double kLeastTouch = 0.05;  // share of what a region touches that makes another one a neighbour
 constexpr int kSample = 100;          // points that are looked at first
+constexpr double kExplained = 0.9;    // times what its own plane costs: what planes around may cost
 constexpr double kClearly = 2.0;      // times what its own plane costs: not explained, as few points tell
 constexpr float kFarthest2 = 25.0F;   // squared distance at which a point is an outlier, in variances
 constexpr float kFarthestOf2 = 9.0F;  // and at which it is not of a plane
@@ -189,7 +190,7 @@ class Dissolver {
 
   // Most faces are clearly none of this: a few points tell.
   bool isExplained(std::int32_t label) {
-    return !memory_.around.empty() && measure(label, kSample, kClearly) && measure(label, memory_.pixels.size());
+    return !memory_.around.empty() && measure(label, kSample, kClearly) && measure(label, memory_.pixels.size(), kExplained);
   }
 
   void giveAway(std::int32_t label) {
