@@ -37,10 +37,10 @@ struct DissolutionMemory {
 ///
 /// Where two faces meet in a low step, patches that lie across it have a plane of their own between the two, which passes
 /// for a face while the step is not much higher than the noise. Its points, though, are one by one nearer to either face
-/// than to it. So a region is dissolved if the mean square of its points' distances from its plane is larger than that of
-/// their distances from the nearest of the planes around. Only thin ones are judged, of which many points touch what is
-/// around: in a wide face between two others the nearest plane would change from point to point. Points go to that region
-/// around whose plane fits best over a small window, or to none.
+/// than to it. So a region is dissolved if the mean square of its points' distances from the nearest of the planes around
+/// is less than nine tenths of that of their distances from its own. Only thin ones are judged, of which many points touch
+/// what is around: in a wide face between two others the nearest plane would change from point to point. Points go to that
+/// region around whose plane fits best over a small window, or to none.
 /// @param planes a (see moments.h) of every label. @param center origin of the planes [m]. @param smallest points that a
 /// region has at least: what is smaller is neither judged nor given any.
 void dissolveRegions(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
