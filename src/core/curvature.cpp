@@ -17,6 +17,7 @@ constexpr int kStripSizes = 2;          // largest size of such a strip over its
 constexpr double kWeakTurn = 0.31;      // of a strip beside a curved one, in max_turn
 constexpr double kWeakAmplitude = 0.2;  // likewise, in tolerances of distance
 constexpr double kEdgeTolerance = 3.0;  // of a bent edge of a plane, in tolerances of distance
+constexpr int kEdgeSizes = 4;           // smallest size of that plane over the edge's: what is larger is no edge of it
 constexpr int kMaxGap = 2;              // pixels between regions that touch
 
 // Root mean square distance of samples from a plane, their noise taken out [m].
@@ -119,7 +120,7 @@ void planarNames(const BeamGrid& grid, const NoiseModel& noise, const Coplanarit
     for (const auto& [strip, host] : {std::pair(a, b), std::pair(b, a)}) {
       if (alone[strip] == 0 || curved[host] != 0) continue;
       const RegionSamples& plane = regions[host];
-      if (plane.points <= std::max(host_points[strip], regions[strip].points)) continue;
+      if (plane.points <= std::max(host_points[strip], kEdgeSizes * regions[strip].points)) continue;
       if (misfit(plane.plane, regions[strip]) > kEdgeTolerance * tolerance.sigma_distance) continue;
       host_points[strip] = plane.points;
       names[strip] = host;

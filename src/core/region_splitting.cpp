@@ -15,6 +15,7 @@ constexpr int kFewestCells = 12, kMostCells = 300;
 constexpr double kSignificance = 30.0;  // of a cut, over one plane and one quadratic surface: far beyond chi-square
 constexpr double kMinMisfit = 0.5;      // of both sides on one plane
 constexpr double kNoise = 3.3;          // standard deviations of chi-square that noise alone may leave
+constexpr double kMostLeft = 3.0;       // beyond noise, over what two planes explain, where there may be a third one
 constexpr double kMinSide = 0.25;       // points of a side over those of a region, as in the second pass
 
 using Place = LabelSplitMemory::Place;
@@ -120,11 +121,11 @@ class LabelSplitter {
     return isExplained(split.low, split.high, fit) && isBeyondTolerance(split.low, split.high, fit);
   }
 
-  // Whether two planes leave no more than noise, or less than what they explain.
+  // Whether two planes leave no more than noise, or not much more than what they explain.
   bool isExplained(const Side& low, const Side& high, const PlaneFit& whole) const {
     const double two = low.fit.chi2 + high.fit.chi2, n = low.sum.n + high.sum.n;
     const double left = two - (n - 6.0), noise = kNoise * std::sqrt(2.0 * n * tolerance_.inflationOf(n));
-    return left < noise || (tolerance_.isWhite() && left < whole.chi2 - two);
+    return left < noise || (tolerance_.isWhite() && left < kMostLeft * (whole.chi2 - two));
   }
 
   bool isBeyondTolerance(const Side& low, const Side& high, const PlaneFit& whole) const {
@@ -174,10 +175,12 @@ class LabelSplitter {
 
 }  // namespace
 
-void splitLabels(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise,
+bool splitLabels(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise,
                  const CoplanarityTolerance& tolerance, int smallest, LabelSplitMemory& memory, CellShares& shares,
                  LabelImage& labels) {
+  const std::size_t before = shares.sums.size();
   LabelSplitter(grid, cells, noise, tolerance, smallest, memory, shares, labels).splitAll();
+  return shares.sums.size() > before;
 }
 
 }  // namespace ppc

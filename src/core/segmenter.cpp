@@ -134,6 +134,9 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
   const auto update = [&] {
     updateShares(grid, patches, noise, labels, changed, shares, memory.share_updates, config.threads);
   };
+  const auto split = [&] {
+    return splitLabels(grid, patches, noise, tolerance, smallestRegion(config, grid.size()), memory.splits, shares, labels);
+  };
   const auto refine = [&](std::int32_t first_open) {
     refineLabels(grid, patches, shares, planes, noise, tolerance, first_open, memory.refinement, labels, changed,
                  config.threads);
@@ -147,9 +150,8 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
       const auto first_new = static_cast<std::int32_t>(planes.size());
       addSmallRegions(grid, noise, tolerance, config, first_new, memory, labels);
       update();
-      if (config.split_regions && config.noise_aware) {
-        splitLabels(grid, patches, noise, tolerance, smallestRegion(config, grid.size()), memory.splits, shares, labels);
-      }
+      const bool split_regions = config.split_regions && config.noise_aware;
+      if (split_regions) split();
       labelPlanes(shares, planes);
       refine(first_new);
       update();
@@ -160,6 +162,11 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
         labelPlanes(shares, planes);
       }
       runs_known = config.merge;
+      // Merging tolerates more than splitting does; in white noise, what it has joined is known well enough to be judged.
+      if (split_regions && config.merge && tolerance.isWhite() && split()) {
+        labelPlanes(shares, planes);
+        runs_known = false;
+      }
       timer.lap("second pass");
     } else {
       update();

@@ -161,6 +161,23 @@ TEST(DropCurvedRegions, KeepsThePiecesOfABowedWall) {
   EXPECT_EQ(scene.labels.labels, before);
 }
 
+// A bulge that hardly leaves a wall: its soft edge, as long as it is small beside it.
+TEST(DropCurvedRegions, GivesABentStripToAMuchLargerPlaneThatItHardlyLeaves) {
+  const NoiseModel fine(SensorModel{0.002, 0.002, 10.0, 0.0}, 1.0);
+  for (const double half : {2.0, 0.25}) {
+    Scene scene({wall({-1.0, 0.0, 0.0}, -3.0), column(3.285, 0.0, 0.3)}, 0.002);
+    for (int i = 0; i < scene.grid.size(); ++i) {
+      if (std::abs(scene.grid.point(i).y()) > half) scene.labels.labels[i] = 0;
+    }
+    const int flat = countOf(scene.labels, 1), bulge = countOf(scene.labels, 2);
+    ASSERT_GT(bulge, 1000);
+    ASSERT_GT(flat, bulge);
+    scene.drop(kMaxTurn, fine);
+    EXPECT_EQ(countOf(scene.labels, 2), 0);
+    EXPECT_EQ(countOf(scene.labels, 1), flat > 4 * bulge ? flat + bulge : flat) << half;
+  }
+}
+
 TEST(DropCurvedRegions, AWideLimitKeepsEverything) {
   Scene scene({column(4.0, 0.0, 1.0)});
   const int points = countOf(scene.labels, 1);

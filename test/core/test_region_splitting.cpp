@@ -31,10 +31,10 @@ struct Scene {
     shares = shareCells(grid, cells, kNoise, labels);
   }
 
-  void split(double inflation = 1.0, int smallest = 350) {
+  bool split(double inflation = 1.0, int smallest = 350) {
     const CoplanarityTolerance tolerance{0.005, 0.005, inflation};
     LabelSplitMemory memory;
-    splitLabels(grid, cells, kNoise, tolerance, smallest, memory, shares, labels);
+    return splitLabels(grid, cells, kNoise, tolerance, smallest, memory, shares, labels);
   }
 
   int count() const { return static_cast<int>(shares.sums.size()) - 1; }
@@ -59,7 +59,7 @@ const Surface kRest = surfaceOf({{-Eigen::Vector3d::UnitX(), -3.0}, [](const Eig
 TEST(SplitLabels, GivesASwallowedFaceALabelOfItsOwn) {
   for (const Surface& face : {turned(0.4), turned(-0.3), surfaceOf({{-Eigen::Vector3d::UnitX(), -2.95}, kLeft})}) {
     Scene scene({face, kRest});
-    scene.split();
+    EXPECT_TRUE(scene.split());
     ASSERT_EQ(scene.count(), 2);
     EXPECT_GT(scene.common(2, 1), 0.9 * countOf(scene.truth, 2));
     EXPECT_GT(scene.common(1, 2), 0.9 * countOf(scene.truth, 1));
@@ -85,7 +85,7 @@ TEST(SplitLabels, LeavesPlanesAndCurvedSurfacesWhole) {
        {kWall, wall({-1.0, 2.0, 0.5}, -3.0), column(4.0, 0.0, 1.0), sag, ball({4.0, 0.0, 0.0}, 1.5)}) {
     Scene scene({surface});
     const std::vector<std::int32_t> before = scene.labels.labels;
-    scene.split();
+    EXPECT_FALSE(scene.split());
     EXPECT_EQ(scene.count(), 1);
     EXPECT_EQ(scene.labels.labels, before);
   }
@@ -110,6 +110,17 @@ TEST(SplitLabels, SplitsSidesAgainButNotWhereErrorsAreCorrelated) {
   Scene correlated(steps);
   correlated.split(2.0);
   EXPECT_EQ(correlated.count(), 1);
+}
+
+TEST(SplitLabels, SplitsAlsoWhatOneCutExplainsLittleOf) {
+  std::vector<Surface> strips;
+  for (int k = 0; k < 5; ++k) {
+    const auto inside = [k](const Eigen::Vector3d& p) { return std::floor((p.y() / p.x() + 0.15) / 0.06) == k; };
+    strips.push_back(surfaceOf({{-Eigen::Vector3d::UnitX(), k % 2 == 0 ? -3.0 : -2.9}, inside}));
+  }
+  Scene scene(strips);
+  scene.split();
+  EXPECT_EQ(scene.count(), 5);
 }
 
 TEST(SplitLabels, LeavesSmallLabelsAlone) {

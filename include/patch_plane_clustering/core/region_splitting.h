@@ -37,7 +37,8 @@ struct LabelSplitMemory {
 /// Labels of more than 300 cells are left alone: it costs time there, and has found nothing.
 /// @param cells with weighed moments. @param smallest points of a label; a side has a quarter at least.
 /// @param shares of `labels`. Both are brought up to date: new labels follow the last of shares.sums.
-void splitLabels(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise,
+/// @return whether any was split.
+bool splitLabels(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise,
                  const CoplanarityTolerance& tolerance, int smallest, LabelSplitMemory& memory, CellShares& shares,
                  LabelImage& labels);
 
