@@ -28,6 +28,34 @@ int binOf(double range) {
   return std::min(kBins - 1, 1 + static_cast<int>(std::log(range / kFirst) / std::log(kGrowth)));
 }
 
+// binOf() of many ranges without their logarithms: bins begin at ranges that are found by halving once.
+class RangeBins {
+ public:
+  RangeBins() {
+    for (int bin = 1; bin < kBins; ++bin) {
+      double below = 0.0, beyond = 2.0 * binCenter(bin);
+      for (double middle = 0.5 * beyond; middle > below && middle < beyond; middle = 0.5 * (below + beyond)) {
+        (binOf(middle) < bin ? below : beyond) = middle;
+      }
+      begin_[static_cast<std::size_t>(bin)] = beyond;
+    }
+    for (int cell = 0; cell < kCells; ++cell) first_[static_cast<std::size_t>(cell)] = binOf(cell / kCellsPerMetre);
+  }
+
+  int of(double range) const {
+    int bin = first_[static_cast<std::size_t>(std::min(std::max(range * kCellsPerMetre, 0.0), kCells - 1.0))];
+    while (bin + 1 < kBins && range >= begin_[static_cast<std::size_t>(bin) + 1]) ++bin;
+    return bin;
+  }
+
+ private:
+  static constexpr int kCells = 1024;
+  static constexpr double kCellsPerMetre = 16.0;
+
+  std::array<double, kBins> begin_{};  // of each bin [m]
+  std::array<int, kCells> first_{};    // bin of each cell of range
+};
+
 // Where few surfaces are flat, beyond windows or among leaves, even the low quantile sees edges. What flat surfaces told at
 // other ranges bounds it: noise grows no faster than the square of the range (stereo, structured light) and does not fall.
 void boundByOtherRanges(std::vector<double>& sigma) {
@@ -70,10 +98,11 @@ void sortVariances(const PatchGrid& patches, NoiseMemory& memory, int threads) {
   bin.resize(patches.patches.size());
   memory.variance.resize(bin.size());
   static const QuantileFactors factors;
+  static const RangeBins bins;
   forEachRange(threads, static_cast<int>(bin.size()), [&](int first, int last) {
     for (int p = first; p < last; ++p) {
       const Patch& patch = patches.patches[p];
-      bin[p] = patch.moments.n < kMinPoints ? -1 : binOf(patch.range);
+      bin[p] = patch.moments.n < kMinPoints ? -1 : bins.of(patch.range);
       const double dof = patch.moments.n - 3;
       if (bin[p] >= 0) memory.variance[p] = patch.fit.chi2 / dof / factors.of(patch.moments.n);
     }
@@ -123,20 +152,24 @@ NoiseModel NoiseModel::estimate(const PatchGrid& patches, const SensorModel& sen
   sortVariances(patches, memory, threads);
   std::vector<double>&sigma = memory.sigma, &pool = memory.pool;
   sigma.resize(kBins);
-  // Thin bins borrow from their neighbours, nearest first.
+  int known_begin = -1, known_end = -1;  // variances that the bin before has taken: far from any, bins borrow the same
   for (int b = 0; b < kBins; ++b) {
-    pool.clear();
-    const auto add = [&](int bin) {
-      const auto begin = memory.variances.begin();
-      pool.insert(pool.end(), begin + memory.bin_begin[bin], begin + memory.bin_begin[bin + 1]);
-    };
-    add(b);
-    for (int reach = 1; reach < kBins && static_cast<int>(pool.size()) < kMinPatches; ++reach) {
-      for (const int other : {b - reach, b + reach}) {
-        if (other >= 0 && other < kBins) add(other);
-      }
+    // Thin bins borrow from their neighbours, nearest first.
+    int reach = 0, begin = 0, end = 0;
+    do {
+      begin = memory.bin_begin[std::max(0, b - reach)];
+      end = memory.bin_begin[std::min(kBins, b + reach + 1)];
+    } while (++reach < kBins && end - begin < kMinPatches);
+    if (begin == end) {
+      sigma[b] = sensor.sigma(binCenter(b));
+    } else if (begin == known_begin && end == known_end) {
+      sigma[b] = sigma[b - 1];
+    } else {
+      pool.assign(memory.variances.begin() + begin, memory.variances.begin() + end);
+      sigma[b] = std::max(kMinSigma, std::sqrt(quantile(pool, kQuantile)));
+      known_begin = begin;
+      known_end = end;
     }
-    sigma[b] = pool.empty() ? sensor.sigma(binCenter(b)) : std::max(kMinSigma, std::sqrt(quantile(pool, kQuantile)));
   }
   boundByOtherRanges(sigma);
   return NoiseModel(sigma);
