@@ -31,13 +31,14 @@ bool CellOutliers::mayHaveAny(const Patch& cell, std::int32_t label, int middle)
   const double range = cell.range, patch_sigma = noise_.sigma(range), weighed = patch_sigma * patch_sigma;
   const double spread = m.w * weighed - m.n * range * range;  // sum of squared differences from the mean range
   const double sigma = noise_.sigma(grid_.range[middle]), distance = tolerance_.forNoise(sigma).sigma_distance;
-  const double limit2 = kMaxResidual * (sigma * sigma + distance * distance);
-  const double limit = std::sqrt(limit2);
-  if (!(spread < 0.25 * range * range) || !(limit < 0.25 * range)) return true;
+  const double limit2 = kMaxResidual * (sigma * sigma + distance * distance), range2 = range * range;
+  if (!(spread < 0.25 * range2) || !(limit2 < 0.0625 * range2)) return true;
   double ahead = 1.0;
   if (!grid_.origin_x.empty()) ahead += planes_[label].dot(center_ - grid_.origin(middle).cast<double>());
-  const double shrunk = ahead / (1.0 + 2.0 * limit / range);
-  return !(ahead > 0.5 && chiSquare(m, planes_[label]) * weighed < kMargin * shrunk * shrunk * limit2);
+  // The least is (ahead / (1 + 2 limit / range))^2 limit^2: multiplied out, as cells wait for divisions.
+  const double stretched = range + 2.0 * std::sqrt(limit2), reached = ahead * range;
+  return !(ahead > 0.5 &&
+           chiSquare(m, planes_[label]) * weighed * (stretched * stretched) < kMargin * (reached * reached) * limit2);
 }
 
 bool CellOutliers::clear(const Patch& cell, std::int32_t label, LabelImage& out) const {

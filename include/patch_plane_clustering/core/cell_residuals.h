@@ -15,7 +15,9 @@ namespace ppc {
 
 /// @brief The valid pixel nearest to the middle of a cell, in scan order; -1 if there is none.
 inline int middlePixel(const BeamGrid& grid, const Patch& cell) {
-  const int width = cell.col_end - cell.col_begin, size = width * (cell.row_end - cell.row_begin);
+  const int width = cell.col_end - cell.col_begin, rows = cell.row_end - cell.row_begin, size = width * rows;
+  const int middle = grid.index(cell.row_begin + rows / 2, cell.col_begin + rows % 2 * (width / 2));  // pixel(size / 2)
+  if (size > 0 && grid.valid(middle)) return middle;  // nearly always, and without a division
   const auto pixel = [&](int k) { return grid.index(cell.row_begin + k / width, cell.col_begin + k % width); };
   for (int step = 0; step <= size / 2; ++step) {
     if (size / 2 + step < size && grid.valid(pixel(size / 2 + step))) return pixel(size / 2 + step);
