@@ -35,6 +35,21 @@ void sortGroups(std::vector<MeetingGroup>& groups) {
             [](const MeetingGroup& a, const MeetingGroup& b) { return a.key != b.key ? a.key < b.key : a.begin < b.begin; });
 }
 
+// Sorts groups by their pairs, those of a pair in the order they had: by the higher label, then by the lower one, as each
+// time the places of a label follow from how many have lower ones. @param begin,scratch overwritten.
+void sortByPairs(std::vector<MeetingGroup>& groups, std::vector<int>& begin, std::vector<MeetingGroup>& scratch) {
+  std::int32_t highest = 0;
+  for (const MeetingGroup& group : groups) highest = std::max(highest, Meeting::pairOf(group.key).second);
+  scratch.resize(groups.size());
+  for (const auto label : {&LabelPair::second, &LabelPair::first}) {
+    begin.assign(static_cast<std::size_t>(highest) + 2, 0);
+    for (const MeetingGroup& group : groups) ++begin[Meeting::pairOf(group.key).*label + 1];
+    for (std::size_t k = 1; k < begin.size(); ++k) begin[k] += begin[k - 1];
+    for (const MeetingGroup& group : groups) scratch[begin[Meeting::pairOf(group.key).*label]++] = group;
+    std::swap(groups, scratch);
+  }
+}
+
 }  // namespace
 
 void findMeetings(const PatchGrid& cells, const CellShares& all, LabelMeetings& meetings, int threads) {
@@ -59,7 +74,7 @@ void groupMeetings(LabelMeetings& found) {
     for (end = begin + 1; end < count && meetings[end].key == meetings[begin].key;) ++end;
     groups.push_back({meetings[begin].key, begin, end, false});
   }
-  sortGroups(groups);
+  sortByPairs(groups, found.label_begin, found.scratch);  // they come in the order of what they begin with
   sorted.clear();
   sorted.reserve(meetings.size());
   std::size_t kept = 0;

@@ -40,6 +40,8 @@ struct LabelMeetings {
   std::vector<MeetingGroup> groups;
   std::vector<std::vector<Meeting>> rest;  ///< of each thread's cells but the first one's
   std::vector<Meeting> sorted;
+  std::vector<MeetingGroup> scratch;
+  std::vector<int> label_begin;
 };
 
 /// @brief Finds where labels meet: `all` cell by cell, without groups.
