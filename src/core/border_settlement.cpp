@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/border_settlement.h"
 
+#include "patch_plane_clustering/core/parallel.h"
+
 #include <algorithm>
 #include <cstddef>
 
@@ -11,10 +13,13 @@ using Kept = BorderMemory::Kept;
 
 // Calls f(label, was, begin, end) for every stretch of pixels of one run and of one piece before, or none (0).
 template <typename F>
-void forEachStretch(const LabelPieces& before, const std::vector<LabelRun>& runs, F&& f) {
+void forEachStretch(const LabelPieces& before, const LabelRun* runs, const LabelRun* runs_end, F&& f) {
   const LabelRun* was = before.runs.data();
   const LabelRun* const last = was + before.runs.size();
-  for (const LabelRun& run : runs) {
+  if (runs == runs_end) return;
+  was = std::partition_point(was, last, [&](const LabelRun& run) { return run.end <= runs->begin; });
+  for (; runs != runs_end; ++runs) {
+    const LabelRun& run = *runs;
     for (int begin = run.begin, end = 0; begin < run.end; begin = end) {
       while (was != last && was->end <= begin) ++was;
       const bool inside = was != last && was->begin <= begin;
@@ -22,6 +27,11 @@ void forEachStretch(const LabelPieces& before, const std::vector<LabelRun>& runs
       f(run.label, inside ? was->label : 0, begin, end);
     }
   }
+}
+
+template <typename F>
+void forEachStretch(const LabelPieces& before, const std::vector<LabelRun>& runs, F&& f) {
+  forEachStretch(before, runs.data(), runs.data() + runs.size(), f);
 }
 
 // What the new pieces have kept, by piece and piece before.
@@ -78,14 +88,13 @@ void findMostOf(const std::vector<Kept>& kept, std::int32_t Kept::*of, std::int3
 
 // Runs of the labels after the contest; but points of regions that went to a label without any region are given back to
 // theirs: such a label may only defend its own. @param count of labels.
-void settleRuns(const LabelImage& labels, const LabelPieces& before, std::size_t count, BorderMemory& memory) {
+void settleRuns(const LabelPieces& before, std::size_t count, BorderMemory& memory) {
   const std::vector<char>& is_region = memory.is_region;
   std::vector<char>& has_region = memory.has_region;
   has_region.assign(count, 0);
   for (std::size_t piece = 1; piece < is_region.size(); ++piece) {
     if (is_region[piece] != 0) has_region[before.whole[piece]] = 1;
   }
-  listRuns(labels, memory.contested);
   memory.runs.clear();
   memory.runs.reserve(memory.contested.size());
   forEachStretch(before, memory.contested, [&](std::int32_t label, std::int32_t was, int begin, int end) {
@@ -114,9 +123,10 @@ void nameRegions(const LabelPieces& before, std::size_t count, BorderMemory& mem
 // Writes names, but what kept its label stays what it was: points of a region are not lost to what is none, and those of no
 // region do not come back with a region that has reached them.
 void writeNames(const LabelPieces& before, const std::vector<std::int32_t>& whole, const BorderMemory& memory,
-                LabelImage& labels) {
+                LabelImage& labels, int threads) {
   const std::vector<std::int32_t>&names = memory.names, &heir = memory.heir;
-  forEachStretch(before, memory.runs, [&](std::int32_t piece, std::int32_t was, int begin, int end) {
+  const LabelRun* const runs = memory.runs.data();
+  const auto write = [&](std::int32_t piece, std::int32_t was, int begin, int end) {
     std::int32_t name = names[piece];
     if (memory.is_region[was] != 0) {
       const std::int32_t home = heir[before.names[was]];
@@ -125,7 +135,9 @@ void writeNames(const LabelPieces& before, const std::vector<std::int32_t>& whol
       name = 0;
     }
     std::fill(labels.labels.begin() + begin, labels.labels.begin() + end, name);
-  });
+  };
+  forEachRange(threads, static_cast<int>(memory.runs.size()),
+               [&](int begin, int end) { forEachStretch(before, runs + begin, runs + end, write); });
 }
 
 }  // namespace
@@ -135,14 +147,20 @@ void settleBorders(const BeamGrid& grid, const PatchGrid& cells, const CellShare
                    const CoplanarityTolerance& tolerance, const LabelPieces& before, int smallest, int gap_rows,
                    int gap_cols, BorderMemory& memory, LabelImage& labels, std::vector<std::int32_t>& whole, int threads) {
   contestLabels(grid, cells, shares, planes, noise, tolerance, memory.contest, labels, threads);
+  listRuns(labels, memory.contested);
+  settleContested(grid.cols, before, planes.size(), smallest, gap_rows, gap_cols, memory, labels, whole, threads);
+}
+
+void settleContested(int cols, const LabelPieces& before, std::size_t count, int smallest, int gap_rows, int gap_cols,
+                     BorderMemory& memory, LabelImage& labels, std::vector<std::int32_t>& whole, int threads) {
   findRegions(before, smallest, memory);
-  settleRuns(labels, before, planes.size(), memory);
-  splitRuns(grid.cols, gap_rows, gap_cols, memory.split, memory.runs, whole);
+  settleRuns(before, count, memory);
+  splitRuns(cols, gap_rows, gap_cols, memory.split, memory.runs, whole);
   countKept(before, whole, memory);
   findMostOf(memory.kept, &Kept::before, &Kept::piece, before.names.size(), memory.points, memory.heir);
   findMostOf(memory.kept, &Kept::piece, &Kept::before, whole.size(), memory.points, memory.origin);
   nameRegions(before, whole.size(), memory);
-  writeNames(before, whole, memory, labels);
+  writeNames(before, whole, memory, labels, threads);
 }
 
 }  // namespace ppc

@@ -34,15 +34,14 @@ double misfit(const Plane& plane, const RegionSamples& region) {
   return std::sqrt(std::max(0.0, sum / std::max(1, samples.used)));
 }
 
-// Samples labels [first, last) of at least three points, and measures how they bend.
-void sampleBends(const BeamGrid& grid, const NoiseModel& noise, int first, int last, SampledBeams& beams,
-                 SampleMemory& memory, std::vector<Bend>& bends) {
-  for (int label = first; label < last; ++label) {
-    if (memory.regions[label].points == 0) continue;
-    sampleRegion(grid, noise, label, beams, memory);
-    bends[label] = bendOf(memory.regions[label]);
-    memory.regions[label].plane = bends[label].plane;
-  }
+// Samples a label of at least three points, and measures how it bends.
+void sampleBend(const BeamGrid& grid, const NoiseModel& noise, int label, SampledBeams& beams, SampleMemory& memory,
+                std::vector<Bend>& bends) {
+  RegionSamples& region = memory.regions[label];
+  if (region.points == 0) return;
+  sampleRegion(grid, noise, label, beams, memory);
+  bends[label] = bendOf(region);
+  region.plane = bends[label].plane;
 }
 
 }  // namespace
@@ -52,7 +51,9 @@ std::vector<Bend> measureBends(const BeamGrid& grid, const LabelImage& labels, c
   chooseSamples(grid, labelRuns(labels), memory);
   SampledBeams beams;
   std::vector<Bend> bends(memory.regions.size());
-  sampleBends(grid, noise, 0, static_cast<int>(bends.size()), beams, memory, bends);
+  for (int label = 0; label < static_cast<int>(bends.size()); ++label) {
+    sampleBend(grid, noise, label, beams, memory, bends);
+  }
   return bends;
 }
 
@@ -60,26 +61,24 @@ std::vector<std::int32_t> planarNames(const BeamGrid& grid, const NoiseModel& no
                                       double max_turn, const std::vector<LabelRun>& runs, int threads) {
   CurvatureMemory memory;
   std::vector<std::int32_t> names;
-  planarNames(grid, noise, tolerance, max_turn, runs, memory, names, threads);
+  prepareCurvature(grid, runs, memory);
+  planarNames(grid, noise, tolerance, max_turn, memory, names, threads);
   return names;
 }
 
-void planarNames(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double max_turn,
-                 const std::vector<LabelRun>& runs, CurvatureMemory& memory, std::vector<std::int32_t>& names, int threads) {
+void prepareCurvature(const BeamGrid& grid, const std::vector<LabelRun>& runs, CurvatureMemory& memory) {
   chooseSamples(grid, runs, memory.samples);
+  cutAtRows(runs, grid.rows, grid.cols, memory.runs);
+  findTouching(memory.runs, kMaxGap, memory.samples.regions.size(), memory.pairs, memory.touching);
+}
+
+void planarNames(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double max_turn,
+                 CurvatureMemory& memory, std::vector<std::int32_t>& names, int threads) {
   const std::vector<RegionSamples>& regions = memory.samples.regions;
   std::vector<Bend>& bends = memory.bends;
   bends.assign(regions.size(), Bend());
-  const int count = static_cast<int>(regions.size()), ranges = rangeCount(threads, count);
-  forEachPart(threads, 1 + ranges, memory.beams, [&](int part, SampledBeams& beams) {
-    if (part == 0) {  // needs no samples
-      cutAtRows(runs, grid.rows, grid.cols, memory.runs);
-      findTouching(memory.runs, kMaxGap, regions.size(), memory.pairs, memory.touching);
-    } else {
-      const int first = partBegin(count, ranges, part - 1), last = partBegin(count, ranges, part);
-      sampleBends(grid, noise, first, last, beams, memory.samples, bends);
-    }
-  });
+  forEachPart(threads, static_cast<int>(regions.size()), memory.beams,
+              [&](int label, SampledBeams& beams) { sampleBend(grid, noise, label, beams, memory.samples, bends); });
   const auto& touching = memory.touching;
   const auto bent = [&](std::int32_t label) { return BentRegion{regions[label], bends[label]}; };
   std::vector<char>&curved = memory.curved, &weak = memory.weak;
@@ -96,8 +95,14 @@ void planarNames(const BeamGrid& grid, const NoiseModel& noise, const Coplanarit
   }
   std::vector<char>& alone = memory.alone;
   alone = curved;
-  for (const auto& [a, b] : touching) {
-    if ((alone[a] & alone[b]) == 0 && isFan(bent(a), bent(b), tolerance, max_turn)) curved[a] = curved[b] = 1;
+  std::vector<char>& fans = memory.fans;
+  fans.resize(touching.size());
+  forEachPart(threads, static_cast<int>(touching.size()), [&](int k) {
+    const auto& [a, b] = touching[k];
+    fans[k] = (alone[a] & alone[b]) == 0 && isFan(bent(a), bent(b), tolerance, max_turn) ? 1 : 0;
+  });
+  for (std::size_t k = 0; k < touching.size(); ++k) {
+    if (fans[k] != 0) curved[touching[k].first] = curved[touching[k].second] = 1;
   }
   // A strip that bends less, but beside a curved one of about its size, is more of the same surface.
   std::vector<char>& certain = memory.certain;

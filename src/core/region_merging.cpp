@@ -2,6 +2,7 @@
 #include "patch_plane_clustering/core/region_merging.h"
 
 #include "patch_plane_clustering/core/label_meetings.h"
+#include "patch_plane_clustering/core/parallel.h"
 #include "patch_plane_clustering/core/whole_tolerance.h"
 
 #include <algorithm>
@@ -245,8 +246,9 @@ void mergeShares(const PatchGrid& cells, const NoiseModel& noise, const Coplanar
 void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
                  MergeMemory& memory, CellShares& shares, LabelImage& labels, std::vector<LabelRun>& runs,
                  std::vector<Eigen::Vector3d>& planes, int threads) {
+  Beside list(threads, [&] { listRuns(labels, runs); });  // as they are before
   mergeShares(cells, noise, tolerance, threshold, memory, shares, planes, threads);
-  listRuns(labels, runs);
+  list.wait();
   renameLabels(memory.names, runs, labels);
   renameRuns(memory.names, runs);
 }

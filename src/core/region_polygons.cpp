@@ -163,6 +163,13 @@ class RegionOutliner {
   OutlineMemory& memory_;
 };
 
+void requireFit(const BeamGrid& grid, const LabelImage& labels) {
+  if (labels.rows == grid.rows && labels.cols == grid.cols && labels.labels.size() == grid.range.size()) return;
+  throw std::invalid_argument("label image of " + std::to_string(labels.rows) + " x " + std::to_string(labels.cols) +
+                              " pixels does not fit the grid of " + std::to_string(grid.rows) + " x " +
+                              std::to_string(grid.cols));
+}
+
 }  // namespace
 
 std::vector<PlanarPolygon> extractPolygons(const BeamGrid& grid, const LabelImage& labels,
@@ -177,11 +184,13 @@ std::vector<PlanarPolygon> extractPolygons(const BeamGrid& grid, const LabelImag
 void extractPolygons(const BeamGrid& grid, const LabelImage& labels, const std::vector<LabelRun>& runs,
                      const std::vector<PlanarRegion>& regions, const PolygonOptions& options, PolygonMemory& memory,
                      std::vector<PlanarPolygon>& polygons, int threads) {
-  if (labels.rows != grid.rows || labels.cols != grid.cols || labels.labels.size() != grid.range.size()) {
-    throw std::invalid_argument("label image of " + std::to_string(labels.rows) + " x " + std::to_string(labels.cols) +
-                                " pixels does not fit the grid of " + std::to_string(grid.rows) + " x " +
-                                std::to_string(grid.cols));
-  }
+  requireFit(grid, labels);
+  traceOutlines(labels, runs, options, memory);
+  makePolygons(grid, labels, regions, options, memory, polygons, threads);
+}
+
+void traceOutlines(const LabelImage& labels, const std::vector<LabelRun>& runs, const PolygonOptions& options,
+                   PolygonMemory& memory) {
   traceContours(labels, runs, memory.tracing, memory.contours);
   ringsByComponent(memory.contours, options.min_hole_size, memory.pieces);
   // By label, then by size: the largest part of a region is kept however small it is. Of equal ones the first comes first.
@@ -191,6 +200,11 @@ void extractPolygons(const BeamGrid& grid, const LabelImage& labels, const std::
     if (first.label != second.label) return first.label < second.label;
     return first.pixels != second.pixels ? first.pixels > second.pixels : a.first < b.first;
   });
+}
+
+void makePolygons(const BeamGrid& grid, const LabelImage& labels, const std::vector<PlanarRegion>& regions,
+                  const PolygonOptions& options, PolygonMemory& memory, std::vector<PlanarPolygon>& polygons, int threads) {
+  const std::vector<PixelPiece>& pieces = memory.pieces.pieces;
   std::vector<KeptList<PlanarPolygon>>& of_region = memory.of_region;
   of_region.resize(std::max(of_region.size(), regions.size()));
   forEachPart(threads, static_cast<int>(regions.size()), memory.of_thread, [&](int k, OutlineMemory& scratch) {

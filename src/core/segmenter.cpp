@@ -134,7 +134,7 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
   const auto update = [&] {
     updateShares(grid, patches, noise, labels, changed, shares, memory.share_updates, config.threads);
   };
-  const auto split = [&] {
+  const auto split_labels = [&] {
     return splitLabels(grid, patches, noise, tolerance, smallestRegion(config, grid.size()), memory.splits, shares, labels);
   };
   const auto refine = [&](std::int32_t first_open) {
@@ -151,7 +151,7 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
       addSmallRegions(grid, noise, tolerance, config, first_new, memory, labels);
       update();
       const bool split_regions = config.split_regions && config.noise_aware;
-      if (split_regions) split();
+      if (split_regions) split_labels();
       labelPlanes(shares, planes);
       refine(first_new);
       update();
@@ -163,7 +163,7 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
       }
       runs_known = config.merge;
       // Merging tolerates more than splitting does; in white noise, what it has joined is known well enough to be judged.
-      if (split_regions && config.merge && tolerance.isWhite() && split()) {
+      if (split_regions && config.merge && tolerance.isWhite() && split_labels()) {
         labelPlanes(shares, planes);
         runs_known = false;
       }
@@ -175,14 +175,27 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
   }
   const int gap_rows = 2 * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols), gap_cols = 2;
   if (!runs_known) listRuns(labels, pieces.runs);
-  splitRuns(grid.cols, gap_rows, gap_cols, memory.split, pieces.runs, pieces.whole);
-  timer.lap("components");
-  planarNames(grid, noise, tolerance, config.max_turn, pieces.runs, memory.curvature, pieces.names, config.threads);
-  timer.lap("curvature");
   const bool settle = config.refine && config.settle_borders;
+  BorderMemory& borders = memory.borders;
+  Beside split(config.threads, [&] {  // needs runs alone, no image
+    splitRuns(grid.cols, gap_rows, gap_cols, memory.split, pieces.runs, pieces.whole);
+    prepareCurvature(grid, pieces.runs, memory.curvature);
+  });
   if (settle) {
-    settleBorders(grid, patches, shares, planes, noise, tolerance, pieces, smallestRegion(config, grid.size()), gap_rows,
-                  gap_cols, memory.borders, labels, memory.settled, config.threads);
+    contestLabels(grid, patches, shares, planes, noise, tolerance, borders.contest, labels, config.threads);
+    timer.lap("contest");
+  }
+  split.wait();
+  timer.lap("components");
+  Beside list(config.threads, [&] {
+    if (settle) listRuns(labels, borders.contested);
+  });
+  planarNames(grid, noise, tolerance, config.max_turn, memory.curvature, pieces.names, config.threads);
+  timer.lap("curvature");
+  list.wait();
+  if (settle) {
+    settleContested(grid.cols, pieces, planes.size(), smallestRegion(config, grid.size()), gap_rows, gap_cols, borders,
+                    labels, memory.settled, config.threads);
     timer.lap("borders");
   } else {
     paintRuns(pieces.runs, pieces.names, labels);
@@ -226,9 +239,11 @@ void finishSegmentation(const BeamGrid& grid, const Config& config, FinishingMem
   StageTimer timer(&result.stages);
   std::vector<LabelRun>& runs = memory.runs;
   renumberBySize(grid, smallestRegion(config, grid.size()), memory.renumbering, labels, runs, result.valid_points);
+  Beside outlines(config.threads, [&] { traceOutlines(labels, runs, config.polygons, memory.polygons); });
   describeRegions(grid, runs, memory.regions, result.regions, config.threads);
   timer.lap("statistics");
-  extractPolygons(grid, labels, runs, result.regions, config.polygons, memory.polygons, result.polygons, config.threads);
+  outlines.wait();
+  makePolygons(grid, labels, result.regions, config.polygons, memory.polygons, result.polygons, config.threads);
   timer.lap("polygons");
   result.regions_without_polygon = 0;
   for (const PlanarRegion& region : result.regions) {

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <exception>
 #include <system_error>
+#include <utility>
 
 namespace ppc {
 namespace {
@@ -19,15 +20,6 @@ void lookOut(const Time& time) {
 }
 
 }  // namespace
-
-struct WorkerPool::Call {
-  const std::function<void(int)>& f;
-  int workers, next = 0;
-  std::atomic<int> left;  // workers that are not done; changed under the lock
-  std::exception_ptr error;
-
-  Call(const std::function<void(int)>& function, int count) : f(function), workers(count), left(count) {}
-};
 
 WorkerPool& WorkerPool::ofProcess() {
   static WorkerPool pool;
@@ -77,12 +69,29 @@ void WorkerPool::serve() {
   }
 }
 
-void WorkerPool::grow() {
+void WorkerPool::grow(std::size_t threads) {
   try {
-    while (threads_.size() < wanted_) threads_.emplace_back([this] { serve(); });
+    while (threads_.size() < threads) threads_.emplace_back([this] { serve(); });
   } catch (const std::system_error&) {
     // The system has no more of them: callers do what is left.
   }
+}
+
+void WorkerPool::open(Call& call) {
+  open_.push_back(&call);
+  any_open_ = true;
+}
+
+// Does what no thread has taken of an open call, and waits for what others have.
+void WorkerPool::finish(Call& call, std::unique_lock<std::mutex>& lock) {
+  while (call.next < call.workers) work(call, lock);
+  if (call.left == 0) return;
+  lock.unlock();
+  lookOut([&] { return call.left == 0; });
+  lock.lock();
+  ++waiting_;
+  done_.wait(lock, [&] { return call.left == 0; });
+  --waiting_;
 }
 
 void WorkerPool::run(int workers, const std::function<void(int)>& f) {
@@ -91,22 +100,44 @@ void WorkerPool::run(int workers, const std::function<void(int)>& f) {
   const auto others = static_cast<std::size_t>(workers - 1);
   std::unique_lock<std::mutex> lock(mutex_);
   wanted_ += others;
-  grow();
-  open_.push_back(&call);
-  any_open_ = true;
+  grow(wanted_);
+  open(call);
   for (int woken = std::min(workers - 1, asleep_); woken > 0; --woken) called_.notify_one();
-  while (call.next < workers) work(call, lock);
-  if (call.left > 0) {
-    lock.unlock();
-    lookOut([&] { return call.left == 0; });
-    lock.lock();
-    ++waiting_;
-    done_.wait(lock, [&] { return call.left == 0; });
-    --waiting_;
-  }
+  finish(call, lock);
   wanted_ -= others;
   lock.unlock();
   if (call.error) std::rethrow_exception(call.error);
+}
+
+WorkerPool::Beside::Beside(WorkerPool& pool, int threads, std::function<void(int)> f)
+    : pool_(pool), f_(std::move(f)), call_(f_, 1) {
+  if (threads <= 1) return;
+  opened_ = true;
+  const std::lock_guard<std::mutex> lock(pool.mutex_);
+  pool.grow(std::max<std::size_t>(pool.wanted_, 1));
+  pool.open(call_);
+  if (pool.asleep_ > 0) pool.called_.notify_one();
+}
+
+WorkerPool::Beside::~Beside() {
+  if (waited_ || !opened_) return;
+  std::unique_lock<std::mutex> lock(pool_.mutex_);
+  const auto open = std::find(pool_.open_.begin(), pool_.open_.end(), &call_);
+  if (open != pool_.open_.end()) {
+    pool_.open_.erase(open);
+    pool_.any_open_ = !pool_.open_.empty();
+  } else if (call_.next > 0) {
+    pool_.finish(call_, lock);
+  }
+}
+
+void WorkerPool::Beside::wait() {
+  waited_ = true;
+  if (!opened_) return call_.f(0);
+  std::unique_lock<std::mutex> lock(pool_.mutex_);
+  pool_.finish(call_, lock);
+  lock.unlock();
+  if (call_.error) std::rethrow_exception(call_.error);
 }
 
 }  // namespace ppc

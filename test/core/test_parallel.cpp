@@ -47,6 +47,18 @@ TEST(Parallel, OneThreadIsTheCallersAndTwoAreTwo) {
   EXPECT_EQ(threadsSeen(2).size(), 2U);
 }
 
+TEST(Parallel, BesideIsDoneOnceItIsWaitedFor) {
+  for (const int threads : {1, 2, 4}) {
+    int written = 0;
+    std::atomic<int> parts{0};
+    Beside beside(threads, [&] { ++written; });
+    forEachPart(threads, 10, [&](int) { ++parts; });
+    beside.wait();
+    EXPECT_EQ(written, 1) << threads << " threads";
+    EXPECT_EQ(parts, 10);
+  }
+}
+
 TEST(Parallel, PassesExceptionsOn) {
   for (const int threads : {1, 3}) {
     EXPECT_THROW(forEachPart(threads, 20,

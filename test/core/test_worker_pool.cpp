@@ -135,6 +135,78 @@ TEST(WorkerPool, TwoCallersNeedNotWaitForEachOther) {
   EXPECT_EQ(arrived, 4);
 }
 
+TEST(WorkerPoolBeside, IsCalledOnceWhileItsCallerGoesOn) {
+  WorkerPool pool;
+  for (int round = 0; round < 300; ++round) {
+    int written = 0;
+    Calls calls(2);
+    WorkerPool::Beside beside(pool, 2, [&](int) { ++written; });
+    pool.run(2, [&](int worker) { calls.add(worker); });
+    beside.wait();
+    EXPECT_EQ(written, 1);
+    EXPECT_TRUE(calls.allAre(1));
+  }
+}
+
+TEST(WorkerPoolBeside, RunsOnAnotherThreadThatNoOtherCallNeeds) {
+  WorkerPool pool;
+  std::thread::id id;
+  std::atomic<bool> done{false};
+  WorkerPool::Beside beside(pool, 2, [&](int) {
+    id = std::this_thread::get_id();
+    done = true;
+  });
+  while (!done) std::this_thread::yield();
+  beside.wait();
+  EXPECT_NE(id, std::this_thread::get_id());
+  std::thread::id other;
+  std::atomic<int> arrived{0};
+  pool.run(2, [&](int worker) {
+    ++arrived;
+    while (arrived < 2) std::this_thread::yield();
+    if (worker == 1) other = std::this_thread::get_id();
+  });
+  EXPECT_EQ(other, id);  // no second one was made
+}
+
+TEST(WorkerPoolBeside, LeavesItToItsCallerIfNoThreadIsFree) {
+  WorkerPool pool;
+  for (const int threads : {1, 2}) {
+    std::thread::id id;
+    std::atomic<int> arrived{0};
+    pool.run(2, [&](int worker) {
+      ++arrived;
+      while (arrived < 2) std::this_thread::yield();
+      if (worker == 0) {  // the other one is kept until then
+        WorkerPool::Beside beside(pool, threads, [&](int) { id = std::this_thread::get_id(); });
+        beside.wait();
+        ++arrived;
+      } else {
+        while (arrived < 3) std::this_thread::yield();
+      }
+    });
+    EXPECT_EQ(id, std::this_thread::get_id());
+  }
+}
+
+TEST(WorkerPoolBeside, PassesTheExceptionOnAndMayBeGivenUp) {
+  WorkerPool pool;
+  for (const int threads : {1, 2}) {
+    WorkerPool::Beside beside(pool, threads, [](int) { throw std::runtime_error("beside"); });
+    EXPECT_THROW(beside.wait(), std::runtime_error);
+    for (int round = 0; round < 100; ++round) {
+      int calls = 0;
+      {
+        const WorkerPool::Beside given_up(pool, threads, [&](int) { ++calls; });
+      }
+      EXPECT_LE(calls, threads - 1);
+    }
+  }
+  Calls calls(2);
+  pool.run(2, [&](int worker) { calls.add(worker); });  // still serves
+  EXPECT_TRUE(calls.allAre(1));
+}
+
 TEST(WorkerPool, EndsWhateverItsThreadsAreDoing) {
   for (int round = 0; round < 50; ++round) {
     WorkerPool pool;

@@ -62,4 +62,9 @@ void settleBorders(const BeamGrid& grid, const PatchGrid& cells, const CellShare
                    int gap_cols, BorderMemory& memory, LabelImage& labels, std::vector<std::int32_t>& whole,
                    int threads = 1);
 
+/// @brief What is left of it after the contest. @param count of labels.
+/// @param memory with the runs of the labels after the contest: `contested`.
+void settleContested(int cols, const LabelPieces& before, std::size_t count, int smallest, int gap_rows, int gap_cols,
+                     BorderMemory& memory, LabelImage& labels, std::vector<std::int32_t>& whole, int threads);
+
 }  // namespace ppc

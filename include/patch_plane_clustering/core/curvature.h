@@ -24,6 +24,7 @@ struct CurvatureMemory {
   RowRuns runs;
   LabelPairIndex pairs;
   std::vector<std::pair<std::int32_t, std::int32_t>> touching;  ///< labels
+  std::vector<char> fans;                                       ///< of those: are strips of one curved surface
   std::vector<char> curved, weak, alone, certain;               ///< what is known of each label
   std::vector<int> host_points;
 };
@@ -39,14 +40,16 @@ std::vector<Bend> measureBends(const BeamGrid& grid, const LabelImage& labels, c
 /// surface if one quadratic surface serves both; at the crease of two planes it does not (of an evenly sampled one, a
 /// sixteenth of what one plane leaves remains). So come the halves of a thin column in much noise, nearly at right angles;
 /// strips at its limbs, beside one that is found curved, need only come near one such surface.
-/// @param runs of the labels of an image as large as the grid.
+/// @param memory as prepareCurvature() has left it for the labels.
 /// @param names set for every label to itself if it is planar, 0 if it is curved, or the label of the plane whose soft edge
 /// it is.
 void planarNames(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double max_turn,
-                 const std::vector<LabelRun>& runs, CurvatureMemory& memory, std::vector<std::int32_t>& names,
-                 int threads = 1);
+                 CurvatureMemory& memory, std::vector<std::int32_t>& names, int threads = 1);
 
-/// @brief The same without memory. @return the names.
+/// @brief Chooses samples of the labels, and finds those that touch. @param runs of an image as large as the grid.
+void prepareCurvature(const BeamGrid& grid, const std::vector<LabelRun>& runs, CurvatureMemory& memory);
+
+/// @brief Both, without memory. @return the names.
 std::vector<std::int32_t> planarNames(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
                                       double max_turn, const std::vector<LabelRun>& runs, int threads = 1);
 

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cstddef>
 #include <functional>
+#include <utility>
 #include <vector>
 
 namespace ppc {
@@ -42,6 +43,23 @@ void forEachPart(int threads, int parts, std::vector<Memory>& memories, F&& f) {
     for (int part = next++; part < parts; part = next++) f(part, memories[worker]);
   });
 }
+
+/// @brief Calls f() once beside what its maker goes on with, on a thread that has nothing else to do, or by wait() if there
+/// is none or `threads` is 1 (WorkerPool::Beside). Until then, f must not touch what others write, nor write what others
+/// read.
+template <typename F>
+class Beside {
+ public:
+  Beside(int threads, F f) : f_(std::move(f)), beside_(WorkerPool::ofProcess(), threads, [this](int) { f_(); }) {}
+  Beside(const Beside&) = delete;
+  Beside& operator=(const Beside&) = delete;
+  /// Returns when f is done. @throws what f throws.
+  void wait() { beside_.wait(); }
+
+ private:
+  F f_;
+  WorkerPool::Beside beside_;
+};
 
 /// First index of a part, if [0, count) is cut into `parts` of about equal size; `part` = parts gives count.
 inline int partBegin(int count, int parts, int part) {

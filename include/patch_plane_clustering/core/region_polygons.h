@@ -42,4 +42,13 @@ void extractPolygons(const BeamGrid& grid, const LabelImage& labels, const std::
                      const std::vector<PlanarRegion>& regions, const PolygonOptions& options, PolygonMemory& memory,
                      std::vector<PlanarPolygon>& polygons, int threads = 1);
 
+/// @brief Its first half, which needs no planes: outlines of the labelled pixels, left in the memory.
+void traceOutlines(const LabelImage& labels, const std::vector<LabelRun>& runs, const PolygonOptions& options,
+                   PolygonMemory& memory);
+
+/// @brief Its second half. @param memory with the outlines of `labels`, which fit the grid. @param polygons as above.
+void makePolygons(const BeamGrid& grid, const LabelImage& labels, const std::vector<PlanarRegion>& regions,
+                  const PolygonOptions& options, PolygonMemory& memory, std::vector<PlanarPolygon>& polygons,
+                  int threads = 1);
+
 }  // namespace ppc

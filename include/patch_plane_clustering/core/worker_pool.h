@@ -3,6 +3,8 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <cstddef>
+#include <exception>
 #include <functional>
 #include <mutex>
 #include <thread>
@@ -30,11 +32,24 @@ class WorkerPool {
   /// @throws what f throws (the first one, once all workers are done).
   void run(int workers, const std::function<void(int)>& f);
 
+  /// @brief One call of a function beside what its caller goes on with. It takes a thread of the pool that is free, and asks
+  /// for none beyond those that other calls do: so that a caller who keeps to a number of threads keeps to it meanwhile.
+  class Beside;
+
  private:
-  struct Call;
+  struct Call {
+    const std::function<void(int)>& f;
+    int workers, next = 0;
+    std::atomic<int> left;  // workers that are not done; changed under the lock
+    std::exception_ptr error;
+
+    Call(const std::function<void(int)>& function, int count) : f(function), workers(count), left(count) {}
+  };
 
   void serve();
-  void grow();
+  void grow(std::size_t threads);
+  void open(Call& call);
+  void finish(Call& call, std::unique_lock<std::mutex>& lock);
   void work(Call& call, std::unique_lock<std::mutex>& lock);
 
   std::mutex mutex_;  // guards all that follows, and the calls
@@ -45,6 +60,25 @@ class WorkerPool {
   std::size_t wanted_ = 0;        // threads that the calls under way ask for
   int asleep_ = 0, waiting_ = 0;  // threads of the pool, and callers, that must be woken
   std::vector<std::thread> threads_;
+};
+
+class WorkerPool::Beside {
+ public:
+  /// @param threads that the caller may use, itself among them; with one, wait() does it all.
+  /// @param f called once with 0, on any thread.
+  Beside(WorkerPool& pool, int threads, std::function<void(int)> f);
+  ~Beside();  ///< Waits, unless wait() has; but calls f no more if nobody has begun to.
+  Beside(const Beside&) = delete;
+  Beside& operator=(const Beside&) = delete;
+
+  /// @brief Returns when f is done; calls it itself if no thread has begun to. @throws what f throws.
+  void wait();
+
+ private:
+  WorkerPool& pool_;
+  const std::function<void(int)> f_;
+  Call call_;
+  bool opened_ = false, waited_ = false;
 };
 
 }  // namespace ppc
