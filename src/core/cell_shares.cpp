@@ -229,9 +229,9 @@ void updateShares(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel
   if (shares.sums.empty()) shares.sums.resize(1);
   const auto known = static_cast<int>(shares.moments.size());
   clearCells(shares);
-  const int count = static_cast<int>(cells.patches.size()), parts = std::max(1, threads);
+  const int count = static_cast<int>(cells.patches.size()), parts = rangeCount(threads, count);
   memory.parts.resize(static_cast<std::size_t>(parts));
-  memory.rest.resize(static_cast<std::size_t>(parts - 1));
+  memory.rest.resize(static_cast<std::size_t>(std::max(0, parts - 1)));
   forEachPart(threads, parts, [&](int part) {
     CellShares& mine = part == 0 ? shares : memory.rest[part - 1];  // the first part's go where all will be
     if (part > 0) clear(mine);

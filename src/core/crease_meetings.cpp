@@ -62,8 +62,8 @@ void groupByPair(CreaseMeetings& out) {
 
 }  // namespace
 
-void findCreaseMeetings(const LabelImage& image, std::size_t labels, int smallest, CreaseMeetings& out) {
-  listRowRuns(image, out.runs);
+void findCreaseMeetings(const LabelImage& image, std::size_t labels, int smallest, CreaseMeetings& out, int threads) {
+  listRowRuns(image, out.rest, out.runs, threads);
   listMeetings(image, labels, out);
   listPairs(smallest, out);
   groupByPair(out);

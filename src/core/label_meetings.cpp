@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
 #include <utility>
 
 namespace ppc {
@@ -35,25 +36,10 @@ void sortGroups(std::vector<MeetingGroup>& groups) {
             [](const MeetingGroup& a, const MeetingGroup& b) { return a.key != b.key ? a.key < b.key : a.begin < b.begin; });
 }
 
-// Sorts groups by their pairs, those of a pair in the order they had: by the higher label, then by the lower one, as each
-// time the places of a label follow from how many have lower ones. @param begin,scratch overwritten.
-void sortByPairs(std::vector<MeetingGroup>& groups, std::vector<int>& begin, std::vector<MeetingGroup>& scratch) {
-  std::int32_t highest = 0;
-  for (const MeetingGroup& group : groups) highest = std::max(highest, Meeting::pairOf(group.key).second);
-  scratch.resize(groups.size());
-  for (const auto label : {&LabelPair::second, &LabelPair::first}) {
-    begin.assign(static_cast<std::size_t>(highest) + 2, 0);
-    for (const MeetingGroup& group : groups) ++begin[Meeting::pairOf(group.key).*label + 1];
-    for (std::size_t k = 1; k < begin.size(); ++k) begin[k] += begin[k - 1];
-    for (const MeetingGroup& group : groups) scratch[begin[Meeting::pairOf(group.key).*label]++] = group;
-    std::swap(groups, scratch);
-  }
-}
-
 }  // namespace
 
 void findMeetings(const PatchGrid& cells, const CellShares& all, LabelMeetings& meetings, int threads) {
-  const int count = static_cast<int>(all.only.size()), parts = std::max(1, threads);
+  const int count = static_cast<int>(all.only.size()), parts = rangeCount(threads, count);
   std::vector<std::vector<Meeting>>& rest = meetings.rest;  // the first part's go where all will be
   if (rest.size() + 1 < static_cast<std::size_t>(parts)) rest.resize(static_cast<std::size_t>(parts - 1));
   forEachPart(threads, parts, [&](int part) {
@@ -67,28 +53,39 @@ void findMeetings(const PatchGrid& cells, const CellShares& all, LabelMeetings& 
 
 void groupMeetings(LabelMeetings& found) {
   std::vector<Meeting>&meetings = found.all, &sorted = found.sorted;
-  std::vector<MeetingGroup>& groups = found.groups;
-  groups.clear();  // first, those that were found one after the other: far fewer to sort
   const int count = static_cast<int>(meetings.size());
+  std::int32_t highest = 0;
+  for (const Meeting& meeting : meetings) highest = std::max(highest, Meeting::pairOf(meeting.key).second);
+  found.index.start(static_cast<std::size_t>(highest) + 1);
+  found.found.clear();
+  found.count.clear();
   for (int begin = 0, end = 0; begin < count; begin = end) {
     for (end = begin + 1; end < count && meetings[end].key == meetings[begin].key;) ++end;
-    groups.push_back({meetings[begin].key, begin, end, false});
+    const LabelPair pair = Meeting::pairOf(meetings[begin].key);
+    const auto index = static_cast<std::size_t>(found.index.find(pair.first, pair.second));
+    if (index == found.count.size()) found.count.push_back(0);
+    found.count[index] += end - begin;
+    found.found.push_back({index, begin, end, false});
   }
-  sortByPairs(groups, found.label_begin, found.scratch);  // they come in the order of what they begin with
-  sorted.clear();
-  sorted.reserve(meetings.size());
-  std::size_t kept = 0;
-  for (const MeetingGroup& group : groups) {
-    const int begin = static_cast<int>(sorted.size());
-    sorted.insert(sorted.end(), meetings.begin() + group.begin, meetings.begin() + group.end);
-    const int end = static_cast<int>(sorted.size());
-    if (kept > 0 && groups[kept - 1].key == group.key) {
-      groups[kept - 1].end = end;
-    } else {
-      groups[kept++] = {group.key, begin, end, false};
-    }
+  const std::vector<LabelPairIndex::Entry>& pairs = found.index.entries();
+  std::vector<int>&order = found.order, &next = found.next;
+  order.resize(pairs.size());
+  next.resize(pairs.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto keyOf = [&](int index) { return Meeting::keyOf(pairs[index].first, pairs[index].second); };
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return keyOf(a) < keyOf(b); });
+  std::vector<MeetingGroup>& groups = found.groups;
+  groups.clear();
+  int place = 0;
+  for (const int index : order) {
+    next[index] = place;
+    groups.push_back({keyOf(index), place, place + found.count[index], false});
+    place += found.count[index];
   }
-  groups.resize(kept);
+  sorted.resize(meetings.size());
+  for (const MeetingGroup& group : found.found) {
+    for (int m = group.begin; m < group.end; ++m) sorted[next[group.key]++] = meetings[m];
+  }
   std::swap(meetings, sorted);
 }
 

@@ -150,26 +150,33 @@ NoiseModel NoiseModel::estimate(const PatchGrid& patches, const SensorModel& sen
 
 NoiseModel NoiseModel::estimate(const PatchGrid& patches, const SensorModel& sensor, NoiseMemory& memory, int threads) {
   sortVariances(patches, memory, threads);
-  std::vector<double>&sigma = memory.sigma, &pool = memory.pool;
+  std::vector<double>& sigma = memory.sigma;
   sigma.resize(kBins);
-  int known_begin = -1, known_end = -1;  // variances that the bin before has taken: far from any, bins borrow the same
+  struct Variances {
+    int begin, end;
+  };
+  std::array<Variances, kBins> of_bin{};
   for (int b = 0; b < kBins; ++b) {
     // Thin bins borrow from their neighbours, nearest first.
-    int reach = 0, begin = 0, end = 0;
+    int reach = 0;
+    Variances& of = of_bin[static_cast<std::size_t>(b)];
     do {
-      begin = memory.bin_begin[std::max(0, b - reach)];
-      end = memory.bin_begin[std::min(kBins, b + reach + 1)];
-    } while (++reach < kBins && end - begin < kMinPatches);
-    if (begin == end) {
-      sigma[b] = sensor.sigma(binCenter(b));
-    } else if (begin == known_begin && end == known_end) {
-      sigma[b] = sigma[b - 1];
-    } else {
-      pool.assign(memory.variances.begin() + begin, memory.variances.begin() + end);
-      sigma[b] = std::max(kMinSigma, std::sqrt(quantile(pool, kQuantile)));
-      known_begin = begin;
-      known_end = end;
-    }
+      of = {memory.bin_begin[std::max(0, b - reach)], memory.bin_begin[std::min(kBins, b + reach + 1)]};
+    } while (++reach < kBins && of.end - of.begin < kMinPatches);
+  }
+  const auto as_before = [&](int b) {  // far from any, bins borrow the same
+    const Variances &of = of_bin[static_cast<std::size_t>(b)],
+                    &before = of_bin[static_cast<std::size_t>(std::max(0, b - 1))];
+    return b > 0 && of.begin < of.end && of.begin == before.begin && of.end == before.end;
+  };
+  forEachPart(threads, kBins, memory.pools, [&](int b, std::vector<double>& pool) {
+    const Variances& of = of_bin[static_cast<std::size_t>(b)];
+    if (as_before(b)) return;
+    pool.assign(memory.variances.begin() + of.begin, memory.variances.begin() + of.end);
+    sigma[b] = pool.empty() ? sensor.sigma(binCenter(b)) : std::max(kMinSigma, std::sqrt(quantile(pool, kQuantile)));
+  });
+  for (int b = 1; b < kBins; ++b) {
+    if (as_before(b)) sigma[b] = sigma[b - 1];
   }
   boundByOtherRanges(sigma);
   return NoiseModel(sigma);

@@ -11,6 +11,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 
 namespace ppc {
 namespace {
@@ -46,14 +47,6 @@ double rowStep(const BeamGrid& grid, int col, std::vector<double>& steps) {
     if (grid.beams_exact || (grid.valid(i) && grid.valid(below))) steps.push_back(angleBetween(grid, i, below));
   }
   return steps.empty() ? 0.0 : median(steps);
-}
-
-// Steps between the rows at columns kStepCols apart, 0 where there is none to go by.
-void rowSteps(const BeamGrid& grid, std::vector<double>& scratch, std::vector<double>& steps) {
-  steps.clear();
-  for (int c = 0; c < grid.cols + kStepCols - 1; c += kStepCols) {
-    steps.push_back(rowStep(grid, std::min(c, grid.cols - 1), scratch));
-  }
 }
 
 double interpolate(const std::vector<double>& steps, int col) {
@@ -158,8 +151,20 @@ class PatchFitter {
   int count_ = 0;
 };
 
+// How many patches there are before each part of the bands.
+void countBefore(int bands, int parts, int threads, const PatchGrid& grid, std::vector<int>& before) {
+  before.assign(static_cast<std::size_t>(parts), 0);
+  forEachPart(threads, parts - 1, [&](int part) {
+    int count = 0;
+    forEachBlock(grid, partBegin(bands, parts, part), partBegin(bands, parts, part + 1),
+                 [&](int strip, int k) { count += grid.patch_of_block[grid.strip_begin[strip] + k] + 1; });
+    before[part + 1] = count;
+  });
+  std::partial_sum(before.begin(), before.end(), before.begin());
+}
+
 // Lists the patches of all blocks or, if labels are given, of those that have a valid pixel without one.
-void listPatches(const BeamGrid& grid, const LabelImage* done, int threads, PatchGrid& out) {
+void listPatches(const BeamGrid& grid, const LabelImage* done, int threads, std::vector<int>& first, PatchGrid& out) {
   out.patch_of_block.assign(static_cast<std::size_t>(out.strip_begin.back()), done == nullptr ? 0 : -1);
   if (done != nullptr) {
     forEachRange(threads, out.strips(), [&](int begin, int end) { markOpenBlocks(grid, *done, begin, end, out); });
@@ -167,16 +172,20 @@ void listPatches(const BeamGrid& grid, const LabelImage* done, int threads, Patc
   int count = 0;
   for (const int patch : out.patch_of_block) count += patch + 1;
   out.patches.resize(static_cast<std::size_t>(count));
-  int next = 0;
-  forEachBlock(out, 0, bandsOf(out), [&](int strip, int k) {
-    int& index = out.patch_of_block[out.strip_begin[strip] + k];
-    if (index < 0) return;
-    Patch& patch = out.patches[next];
-    index = next++;
-    patch.row_begin = k * out.strip_rows[strip];
-    patch.row_end = std::min(patch.row_begin + out.strip_rows[strip], grid.rows);
-    patch.col_begin = strip * out.strip_cols;
-    patch.col_end = std::min(patch.col_begin + out.strip_cols, grid.cols);
+  const int bands = bandsOf(out), parts = rangeCount(threads, bands);
+  countBefore(bands, parts, threads, out, first);
+  forEachPart(threads, parts, [&](int part) {
+    int next = first[part];
+    forEachBlock(out, partBegin(bands, parts, part), partBegin(bands, parts, part + 1), [&](int strip, int k) {
+      int& index = out.patch_of_block[out.strip_begin[strip] + k];
+      if (index < 0) return;
+      Patch& patch = out.patches[next];
+      index = next++;
+      patch.row_begin = k * out.strip_rows[strip];
+      patch.row_end = std::min(patch.row_begin + out.strip_rows[strip], grid.rows);
+      patch.col_begin = strip * out.strip_cols;
+      patch.col_end = std::min(patch.col_begin + out.strip_cols, grid.cols);
+    });
   });
 }
 
@@ -225,9 +234,18 @@ void sumOpen(const BeamGrid& grid, const LabelImage& done, int begin, int end, P
 
 }  // namespace
 
-void measureSteps(const BeamGrid& grid, PatchGridMemory& memory, AngularSteps& steps) {
-  steps.column = columnStep(grid, memory.angles);
-  rowSteps(grid, memory.angles, steps.rows);
+void measureSteps(const BeamGrid& grid, PatchGridMemory& memory, AngularSteps& steps, int threads) {
+  const int count = (grid.cols + 2 * kStepCols - 2) / kStepCols, ranges = rangeCount(threads, count);
+  steps.rows.resize(static_cast<std::size_t>(count));  // at columns kStepCols apart, and the last one
+  forEachPart(threads, 1 + ranges, memory.angles, [&](int part, std::vector<double>& angles) {
+    if (part == 0) {
+      steps.column = columnStep(grid, angles);
+      return;
+    }
+    for (int k = partBegin(count, ranges, part - 1); k < partBegin(count, ranges, part); ++k) {
+      steps.rows[k] = rowStep(grid, std::min(k * kStepCols, grid.cols - 1), angles);
+    }
+  });
 }
 
 void makePatchGrid(const BeamGrid& grid, int patch_size, const AngularSteps& steps, const LabelImage* done, int threads,
@@ -237,7 +255,7 @@ void makePatchGrid(const BeamGrid& grid, int patch_size, const AngularSteps& ste
   out.strip_cols = patch_size;
   out.center = sensorCenter(grid);
   layOut(grid, patch_size, steps, out);
-  listPatches(grid, done, threads, out);
+  listPatches(grid, done, threads, memory.first_patches, out);
   forEachRange(threads, static_cast<int>(out.patches.size()), [&](int begin, int end) {
     if (done == nullptr) {
       sumAll(grid, begin, end, out);

@@ -26,6 +26,7 @@ constexpr double kWideEvidence = 1.1;  // likewise, for parts of a wide bow
 constexpr double kBowSignificance = 25.0;  // far beyond chi-square with 3 degrees of freedom
 constexpr int kBorderSteps = 2;            // depth of a border in cells
 constexpr int kMinBorderPoints = 6;
+constexpr int kFewPairs = 100;  // not worth a second thread
 
 using Whole = MergeMemory::Whole;
 
@@ -93,15 +94,14 @@ bool isLevel(const Step& step, double range, const NoiseModel& noise, const Copl
 // Sums both sides of a border: what the two labels have in cells within kBorderSteps of those where they meet.
 class BorderSums {
  public:
-  BorderSums(const PatchGrid& cells, const CellShares& all, MergeMemory& memory)
+  BorderSums(const PatchGrid& cells, const CellShares& all, const MergeMemory& memory, MergeMemory::Border& border)
       : cells_(cells),
         all_(all),
         meetings_(memory.meetings.all),
         names_(memory.names),
-        reached_(memory.reached),
-        wave_(memory.wave) {
-    reached_.assign(cells.patches.size(), -1);
-  }
+        reached_(border.reached),
+        wave_(border.wave),
+        border_(border.latest) {}
 
   // Of all meetings of two labels.
   std::pair<Moments, Moments> measure(const LabelPair& pair, const MeetingGroup* begin, const MeetingGroup* end) {
@@ -174,7 +174,7 @@ class BorderSums {
   const std::vector<std::int32_t>& names_;
   std::vector<int>& reached_;  // the last border that took the cell
   std::vector<int>& wave_;
-  int border_ = -1;
+  int& border_;
 };
 
 }  // namespace
@@ -193,33 +193,55 @@ void mergeShares(const PatchGrid& cells, const NoiseModel& noise, const Coplanar
   findMeetings(cells, shares, memory.meetings, threads);
   groupMeetings(memory.meetings);
   std::vector<MeetingGroup>& groups = memory.meetings.groups;
-  BorderSums borders(cells, shares, memory);
+  std::vector<MergeMemory::Border>& borders = memory.borders;
+  if (borders.size() < static_cast<std::size_t>(threads)) borders.resize(static_cast<std::size_t>(threads));
+  for (MergeMemory::Border& border : borders) {
+    border.reached.assign(cells.patches.size(), -1);
+    border.latest = -1;
+  }
   std::vector<std::pair<double, LabelPair>>& candidates = memory.candidates;
   while (true) {
-    candidates.clear();
+    memory.pairs.clear();
     for (std::size_t begin = 0, end = 0; begin < groups.size(); begin = end) {
       const LabelPair pair = Meeting::pairOf(groups[begin].key);
       while (end < groups.size() && groups[end].key == groups[begin].key) ++end;
-      if ((fresh[pair.first] | fresh[pair.second]) == 0) continue;
-      const Whole& a = whole[pair.first];
-      const Whole& b = whole[pair.second];
-      const PlaneFit joint = fitPlane(a.moments + b.moments);
-      const double s = wholeSimilarity(a, b, joint, noise, tolerance);
-      const bool may_bow = a.fit.normal().dot(b.fit.normal()) > std::cos(kBowTurn);
-      if (s < threshold && !may_bow) continue;
-      const auto [first, second] = borders.measure(pair, &groups[begin], groups.data() + end);
-      if (first.n < kMinBorderPoints || second.n < kMinBorderPoints) continue;
-      // Over a wide bow, the plane of both leaves the border: a step shows in the nearest of both sides alone.
-      const bool level = stepSimilarity(first, second, joint, noise, tolerance) >= threshold;
-      const bool wide = may_bow && isWideBow(a, b);
-      if (!level && !wide) continue;
-      if (!(level && s >= threshold) && !isBowed(a, b, wide, first, second, tolerance)) continue;
-      if (!level) {
-        const Eigen::Vector3d normal = (a.fit.normal() + b.fit.normal()).normalized();
-        const Step step = borders.measureStep(pair, &groups[begin], groups.data() + end, normal);
-        if (!isLevel(step, (first + second).mean().norm(), noise, tolerance, threshold)) continue;
+      if ((fresh[pair.first] | fresh[pair.second]) != 0) {
+        memory.pairs.emplace_back(static_cast<int>(begin), static_cast<int>(end));
       }
-      candidates.emplace_back(-s, pair);
+    }
+    for (MergeMemory::Border& border : borders) border.candidates.clear();
+    const int count = static_cast<int>(memory.pairs.size());
+    forEachRange(count < kFewPairs ? 1 : threads, count, borders,
+                 [&](int first_pair, int last_pair, MergeMemory::Border& border) {
+                   BorderSums sums(cells, shares, memory, border);
+                   for (int k = first_pair; k < last_pair; ++k) {
+                     const auto [begin, end] = memory.pairs[k];
+                     const LabelPair pair = Meeting::pairOf(groups[begin].key);
+                     const Whole& a = whole[pair.first];
+                     const Whole& b = whole[pair.second];
+                     const PlaneFit joint = fitPlane(a.moments + b.moments);
+                     const double s = wholeSimilarity(a, b, joint, noise, tolerance);
+                     const bool may_bow = a.fit.normal().dot(b.fit.normal()) > std::cos(kBowTurn);
+                     if (s < threshold && !may_bow) continue;
+                     const auto [first, second] = sums.measure(pair, &groups[begin], groups.data() + end);
+                     if (first.n < kMinBorderPoints || second.n < kMinBorderPoints) continue;
+                     // Over a wide bow, the plane of both leaves the border: a step shows in the nearest of both sides
+                     // alone.
+                     const bool level = stepSimilarity(first, second, joint, noise, tolerance) >= threshold;
+                     const bool wide = may_bow && isWideBow(a, b);
+                     if (!level && !wide) continue;
+                     if (!(level && s >= threshold) && !isBowed(a, b, wide, first, second, tolerance)) continue;
+                     if (!level) {
+                       const Eigen::Vector3d normal = (a.fit.normal() + b.fit.normal()).normalized();
+                       const Step step = sums.measureStep(pair, &groups[begin], groups.data() + end, normal);
+                       if (!isLevel(step, (first + second).mean().norm(), noise, tolerance, threshold)) continue;
+                     }
+                     border.candidates.emplace_back(-s, pair);
+                   }
+                 });
+    candidates.clear();
+    for (const MergeMemory::Border& border : borders) {
+      candidates.insert(candidates.end(), border.candidates.begin(), border.candidates.end());
     }
     if (candidates.empty()) break;
     std::sort(candidates.begin(), candidates.end());

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/parallel.h"
 #include "patch_plane_clustering/core/region_statistics.h"
 
 #include <algorithm>
@@ -11,13 +12,15 @@ namespace {
 
 constexpr int kStretch = 4096;  // pixels whose labels are listed while they are at hand
 
-// Clears the labels of pixels without a measurement, and lists the runs of what is left. @return how many have one.
-int clearUnmeasured(const BeamGrid& grid, LabelImage& labels, std::vector<LabelRun>& runs) {
+// Clears the labels of pixels [first, last) without a measurement, and lists the runs of what is left. @return how many
+// have one.
+int clearUnmeasured(const BeamGrid& grid, int first, int last, LabelImage& labels, std::vector<LabelRun>& runs) {
   const float* const ranges = grid.range.data();
   std::int32_t* const pixels = labels.labels.data();
   int valid_points = 0;
-  for (int begin = 0, n = grid.size(); begin < n; begin += kStretch) {
-    const int end = std::min(begin + kStretch, n);
+  runs.clear();
+  for (int begin = first; begin < last; begin += kStretch) {
+    const int end = std::min(begin + kStretch, last);
     for (int i = begin; i < end; ++i) {  // without branches, so that it becomes vector code
       const std::int32_t label = pixels[i];
       const bool valid = ranges[i] > 0.0F, kept = valid & (label > 0);
@@ -32,6 +35,26 @@ int clearUnmeasured(const BeamGrid& grid, LabelImage& labels, std::vector<LabelR
   return valid_points;
 }
 
+// The same of the whole image.
+int clearUnmeasured(const BeamGrid& grid, RenumberingMemory& memory, LabelImage& labels, std::vector<LabelRun>& runs,
+                    int threads) {
+  const int parts = rangeCount(threads, grid.size());
+  std::vector<std::vector<LabelRun>>& rest = memory.rest;
+  if (rest.size() + 1 < static_cast<std::size_t>(parts)) rest.resize(static_cast<std::size_t>(parts - 1));
+  memory.valid.resize(static_cast<std::size_t>(parts));
+  forEachPart(threads, parts, [&](int part) {
+    memory.valid[part] = clearUnmeasured(grid, partBegin(grid.size(), parts, part), partBegin(grid.size(), parts, part + 1),
+                                         labels, part == 0 ? runs : rest[part - 1]);
+  });
+  for (int part = 1; part < parts; ++part) {
+    const std::vector<LabelRun>& next = rest[part - 1];
+    if (next.empty()) continue;
+    appendRun(next.front(), runs);  // may go on over the seam
+    runs.insert(runs.end(), next.begin() + 1, next.end());
+  }
+  return std::accumulate(memory.valid.begin(), memory.valid.end(), 0);
+}
+
 }  // namespace
 
 int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels) {
@@ -42,9 +65,8 @@ int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels) {
 }
 
 int renumberBySize(const BeamGrid& grid, int min_size, RenumberingMemory& memory, LabelImage& labels,
-                   std::vector<LabelRun>& runs, int& valid_points) {
-  runs.clear();
-  valid_points = clearUnmeasured(grid, labels, runs);
+                   std::vector<LabelRun>& runs, int& valid_points, int threads) {
+  valid_points = clearUnmeasured(grid, memory, labels, runs, threads);
   const auto highest = static_cast<std::size_t>(highestLabel(runs));
   std::vector<int>&count = memory.count, &first = memory.first;
   count.assign(highest + 1, 0);
@@ -65,7 +87,8 @@ int renumberBySize(const BeamGrid& grid, int min_size, RenumberingMemory& memory
   for (const std::int32_t label : order) {
     if (count[label] >= std::max(1, min_size)) renamed[label] = ++n;
   }
-  renameLabels(renamed, runs, labels);
+  forEachRange(threads, static_cast<int>(runs.size()),
+               [&](int begin, int end) { renameLabels(renamed, runs.data() + begin, runs.data() + end, labels); });
   for (LabelRun& run : runs) run.label = renamed[run.label];
   runs.erase(std::remove_if(runs.begin(), runs.end(), [](const LabelRun& run) { return run.label == 0; }), runs.end());
   return n;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/region_splitting.h"
 
+#include "patch_plane_clustering/core/parallel.h"
 #include "patch_plane_clustering/core/whole_tolerance.h"
 
 #include <algorithm>
@@ -20,16 +21,9 @@ constexpr double kMinSide = 0.25;       // points of a side over those of a regi
 
 using Place = LabelSplitMemory::Place;
 using Part = LabelSplitMemory::Part;
-
-struct Side {
-  Moments sum;
-  PlaneFit fit;
-};
-
-struct Split {
-  SurfaceCut cut;
-  Side low, high;
-};
+using Side = LabelSplitMemory::Side;
+using Split = LabelSplitMemory::Split;
+using Surface = std::vector<SurfaceCell>;
 
 class LabelSplitter {
  public:
@@ -47,18 +41,26 @@ class LabelSplitter {
         next_(memory.next),
         places_(memory.places),
         parts_(memory.parts),
-        surface_(memory.surface) {}
+        surfaces_(memory.surfaces),
+        splits_(memory.splits),
+        found_(memory.found) {}
 
-  void splitAll() {
+  void splitAll(int threads) {
     listPlaces();
     parts_.clear();
     for (std::size_t label = 1; label + 1 < begin_.size(); ++label) {
       parts_.push_back({static_cast<std::int32_t>(label), begin_[label], begin_[label + 1]});
     }
+    const std::size_t whole = parts_.size();
+    splits_.resize(whole);
+    found_.resize(whole);
+    forEachPart(threads, static_cast<int>(whole), surfaces_,
+                [&](int k, Surface& surface) { found_[k] = findSplit(parts_[k], surface, splits_[k]) ? 1 : 0; });
     for (std::size_t k = 0; k < parts_.size(); ++k) {
       const Part part = parts_[k];
       Split split;
-      if (!findSplit(part, split)) continue;
+      if (k < whole ? found_[k] == 0 : !findSplit(part, surfaces_[0], split)) continue;
+      if (k < whole) split = splits_[k];
       const int middle = splitAt(split, part);
       parts_.push_back({part.label, part.begin, middle});
       parts_.push_back({static_cast<std::int32_t>(shares_.sums.size()) - 1, middle, part.end});
@@ -90,29 +92,39 @@ class LabelSplitter {
 
   // Place of a cell in the image, in columns, along both axes.
   float xOf(const Place& place) const { return static_cast<float>(cells_.patches[place.cell].col_begin); }
-  float yOf(const Place& place) const { return aspect_ * static_cast<float>(cells_.patches[place.cell].row_begin); }
+  float yOf(const Place& place, float aspect) const {
+    return aspect * static_cast<float>(cells_.patches[place.cell].row_begin);
+  }
 
-  bool isBeyond(const SurfaceCut& cut, const Place& place) const { return cut.isBeyond(xOf(place), yOf(place)); }
+  // Columns of a patch over its rows, in the middle of a part.
+  float aspectOf(const Part& part) const {
+    const int strip = cells_.patches[places_[(part.begin + part.end) / 2].cell].col_begin / cells_.strip_cols;
+    return static_cast<float>(cells_.strip_cols) / static_cast<float>(cells_.strip_rows[strip]);
+  }
 
-  bool findSplit(const Part& part, Split& split) {
+  bool isBeyond(const SurfaceCut& cut, const Place& place, float aspect) const {
+    return cut.isBeyond(xOf(place), yOf(place, aspect));
+  }
+
+  // May be called for several parts at a time.
+  bool findSplit(const Part& part, Surface& surface, Split& split) const {
     const int count = part.end - part.begin;
     if (count < kFewestCells) return false;
     const Moments& all = shares_.sums[part.label];
     if (all.n < smallest_) return false;
     const PlaneFit fit = fitPlane(all);
-    const int strip = cells_.patches[places_[part.begin + count / 2].cell].col_begin / cells_.strip_cols;
-    aspect_ = static_cast<float>(cells_.strip_cols) / static_cast<float>(cells_.strip_rows[strip]);
+    const float aspect = aspectOf(part);
     const SurfaceFrame frame(all, fit);
-    surface_.clear();
+    surface.clear();
     for (int i = part.begin; i < part.end; ++i) {
-      surface_.push_back({xOf(places_[i]), yOf(places_[i]), frame.measure(momentsOf(places_[i]))});
+      surface.push_back({xOf(places_[i]), yOf(places_[i], aspect), frame.measure(momentsOf(places_[i]))});
     }
-    const SurfaceCut cut = bestCut(surface_, kMinSide * smallest_);
+    const SurfaceCut cut = bestCut(surface, kMinSide * smallest_);
     const double significant = kSignificance * tolerance_.inflationOf(kMinSide * smallest_);
-    if (!(cut.gain >= significant) || !(cut.gain >= bowGain(surface_) + significant)) return false;
+    if (!(cut.gain >= significant) || !(cut.gain >= bowGain(surface) + significant)) return false;
     split = {cut, {}, {}};
     for (int i = part.begin; i < part.end; ++i) {
-      (isBeyond(cut, places_[i]) ? split.high : split.low).sum += momentsOf(places_[i]);
+      (isBeyond(cut, places_[i], aspect) ? split.high : split.low).sum += momentsOf(places_[i]);
     }
     // Rounding may put cells that lie on the cut on its other side.
     if (std::min(split.low.sum.n, split.high.sum.n) < kMinSide * smallest_) return false;
@@ -140,8 +152,9 @@ class LabelSplitter {
   int splitAt(const Split& split, const Part& part) {
     const Moments &low = split.low.sum, &high = split.high.sum;
     const bool beyond = high.n < low.n;  // is what leaves
+    const float aspect = aspectOf(part);
     const auto middle = std::stable_partition(places_.begin() + part.begin, places_.begin() + part.end,
-                                              [&](const Place& p) { return isBeyond(split.cut, p) != beyond; });
+                                              [&](const Place& p) { return isBeyond(split.cut, p, aspect) != beyond; });
     const auto fresh = static_cast<std::int32_t>(shares_.sums.size());
     shares_.sums[part.label] = beyond ? low : high;
     shares_.sums.push_back(beyond ? high : low);
@@ -169,17 +182,18 @@ class LabelSplitter {
   std::vector<int>&count_, &begin_, &next_;
   std::vector<Place>& places_;
   std::vector<Part>& parts_;
-  std::vector<SurfaceCell>& surface_;
-  float aspect_ = 1.0F;  // columns of a patch over its rows
+  std::vector<Surface>& surfaces_;
+  std::vector<Split>& splits_;
+  std::vector<char>& found_;
 };
 
 }  // namespace
 
 bool splitLabels(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise,
                  const CoplanarityTolerance& tolerance, int smallest, LabelSplitMemory& memory, CellShares& shares,
-                 LabelImage& labels) {
+                 LabelImage& labels, int threads) {
   const std::size_t before = shares.sums.size();
-  LabelSplitter(grid, cells, noise, tolerance, smallest, memory, shares, labels).splitAll();
+  LabelSplitter(grid, cells, noise, tolerance, smallest, memory, shares, labels).splitAll(threads);
   return shares.sums.size() > before;
 }
 

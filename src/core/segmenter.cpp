@@ -99,7 +99,7 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
   PatchGrid& patches = memory.patches;
   AngularSteps& steps = memory.steps;
   if (config.equal_angle) {
-    measureSteps(grid, memory.patch_grids, steps);
+    measureSteps(grid, memory.patch_grids, steps, config.threads);
   } else {
     steps = AngularSteps();
   }
@@ -135,7 +135,8 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
     updateShares(grid, patches, noise, labels, changed, shares, memory.share_updates, config.threads);
   };
   const auto split_labels = [&] {
-    return splitLabels(grid, patches, noise, tolerance, smallestRegion(config, grid.size()), memory.splits, shares, labels);
+    return splitLabels(grid, patches, noise, tolerance, smallestRegion(config, grid.size()), memory.splits, shares, labels,
+                       config.threads);
   };
   const auto refine = [&](std::int32_t first_open) {
     refineLabels(grid, patches, shares, planes, noise, tolerance, first_open, memory.refinement, labels, changed,
@@ -238,7 +239,8 @@ void finishSegmentation(const BeamGrid& grid, const Config& config, FinishingMem
   LabelImage& labels = result.labels;
   StageTimer timer(&result.stages);
   std::vector<LabelRun>& runs = memory.runs;
-  renumberBySize(grid, smallestRegion(config, grid.size()), memory.renumbering, labels, runs, result.valid_points);
+  renumberBySize(grid, smallestRegion(config, grid.size()), memory.renumbering, labels, runs, result.valid_points,
+                 config.threads);
   Beside outlines(config.threads, [&] { traceOutlines(labels, runs, config.polygons, memory.polygons); });
   describeRegions(grid, runs, memory.regions, result.regions, config.threads);
   timer.lap("statistics");

@@ -31,7 +31,12 @@ TEST(RowRuns, AreThoseOfTheImageCutAtItsRows) {
     cutAtRows(labelRuns(labels), labels.rows, labels.cols, cut);
     EXPECT_EQ(cut.row_begin, listed.row_begin);
     ASSERT_EQ(listed.rows(), labels.rows);
-    std::vector<std::int32_t> painted(labels.labels.size(), 0), painted_cut = painted;
+    RowRuns shared;
+    std::vector<RowRuns> rest;
+    listRowRuns(labels, rest, shared, 2);
+    EXPECT_EQ(shared.row_begin, listed.row_begin);
+    ASSERT_EQ(shared.runs.size(), listed.runs.size());
+    std::vector<std::int32_t> painted(labels.labels.size(), 0), painted_cut = painted, painted_shared = painted;
     for (int r = 0; r < labels.rows; ++r) {
       const auto paint = [&](const RowRuns& runs, std::vector<std::int32_t>& out) {
         for (const LabelRun* run = runs.begin(r); run != runs.end(r); ++run) {
@@ -40,9 +45,11 @@ TEST(RowRuns, AreThoseOfTheImageCutAtItsRows) {
       };
       paint(listed, painted);
       paint(cut, painted_cut);
+      paint(shared, painted_shared);
     }
     EXPECT_EQ(painted, labels.labels);
     EXPECT_EQ(painted_cut, labels.labels);
+    EXPECT_EQ(painted_shared, labels.labels);
   }
 }
 

@@ -31,10 +31,10 @@ struct Scene {
     shares = shareCells(grid, cells, kNoise, labels);
   }
 
-  bool split(double inflation = 1.0, int smallest = 350) {
+  bool split(double inflation = 1.0, int smallest = 350, int threads = 1) {
     const CoplanarityTolerance tolerance{0.005, 0.005, inflation};
     LabelSplitMemory memory;
-    return splitLabels(grid, cells, kNoise, tolerance, smallest, memory, shares, labels);
+    return splitLabels(grid, cells, kNoise, tolerance, smallest, memory, shares, labels, threads);
   }
 
   int count() const { return static_cast<int>(shares.sums.size()) - 1; }
@@ -104,9 +104,11 @@ TEST(SplitLabels, SplitsSidesAgainButNotWhereErrorsAreCorrelated) {
   const std::vector<Surface> steps = {surfaceOf({{-Eigen::Vector3d::UnitX(), -2.9}, between(-9.0, -0.15)}),
                                       surfaceOf({{-Eigen::Vector3d::UnitX(), -3.0}, between(-0.15, 0.15)}),
                                       surfaceOf({{-Eigen::Vector3d::UnitX(), -2.95}, between(0.15, 9.0)})};
-  Scene white(steps);
+  Scene white(steps), shared(steps);
   white.split();
   EXPECT_EQ(white.count(), 3);
+  shared.split(1.0, 350, 2);
+  EXPECT_EQ(shared.labels.labels, white.labels.labels);
   Scene correlated(steps);
   correlated.split(2.0);
   EXPECT_EQ(correlated.count(), 1);

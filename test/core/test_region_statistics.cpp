@@ -237,15 +237,18 @@ TEST(RegionStatistics, RenumberingIsBySizeThenByPlace) {
 TEST(RegionStatistics, RenumberingListsLongRuns) {
   BeamGrid grid = toBeamGrid(noddingScan(9, 1024, -0.1, 0.1, 0.5));
   std::fill(grid.range.begin(), grid.range.end(), 1.0F);
-  LabelImage labels{9, 1024, std::vector<std::int32_t>(9 * 1024, 3)};
-  std::fill(labels.labels.begin() + 8192, labels.labels.end(), 2);
   for (const int i : {10, 4095, 9000}) grid.range[i] = std::numeric_limits<float>::quiet_NaN();
   RenumberingMemory memory;
   std::vector<LabelRun> runs{{9, 0, 1}};
-  int valid_points = 0;
-  EXPECT_EQ(renumberBySize(grid, 2, memory, labels, runs, valid_points), 2);
-  testing_tools::expectRunsOf(labels, runs);
-  EXPECT_EQ(runs.size(), 5U);
+  for (const int threads : {1, 3, 2}) {
+    LabelImage labels{9, 1024, std::vector<std::int32_t>(9 * 1024, 3)};
+    std::fill(labels.labels.begin() + 8192, labels.labels.end(), 2);
+    int valid_points = 0;
+    EXPECT_EQ(renumberBySize(grid, 2, memory, labels, runs, valid_points, threads), 2);
+    EXPECT_EQ(valid_points, 9 * 1024 - 3);
+    testing_tools::expectRunsOf(labels, runs);
+    EXPECT_EQ(runs.size(), 5U);
+  }
 }
 
 }  // namespace

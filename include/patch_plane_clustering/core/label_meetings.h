@@ -2,6 +2,7 @@
 #pragma once
 
 #include "patch_plane_clustering/core/cell_shares.h"
+#include "patch_plane_clustering/core/label_pairs.h"
 #include "patch_plane_clustering/core/patch_grid.h"
 
 #include <algorithm>
@@ -38,10 +39,11 @@ struct MeetingGroup {
 struct LabelMeetings {
   std::vector<Meeting> all;
   std::vector<MeetingGroup> groups;
-  std::vector<std::vector<Meeting>> rest;  ///< of each thread's cells but the first one's
+  std::vector<std::vector<Meeting>> rest;  ///< of each part of the cells but the first one
   std::vector<Meeting> sorted;
-  std::vector<MeetingGroup> scratch;
-  std::vector<int> label_begin;
+  std::vector<MeetingGroup> found;  ///< meetings of one pair that were found one after the other; its index for a key
+  LabelPairIndex index;
+  std::vector<int> order, count, next;  ///< of pairs
 };
 
 /// @brief Finds where labels meet: `all` cell by cell, without groups.

@@ -115,12 +115,18 @@ inline std::int32_t highestLabel(const std::vector<LabelRun>& runs) {
   return highest;
 }
 
+/// Replaces the labels of runs [begin, end) by names[label].
+inline void renameLabels(const std::vector<std::int32_t>& names, const LabelRun* begin, const LabelRun* end,
+                         LabelImage& labels) {
+  for (const LabelRun* run = begin; run != end; ++run) {
+    if (names[run->label] == run->label) continue;
+    std::fill(labels.labels.begin() + run->begin, labels.labels.begin() + run->end, names[run->label]);
+  }
+}
+
 /// Replaces every label above 0 by names[label]. @param runs those of the image, before.
 inline void renameLabels(const std::vector<std::int32_t>& names, const std::vector<LabelRun>& runs, LabelImage& labels) {
-  for (const LabelRun& run : runs) {
-    if (names[run.label] == run.label) continue;
-    std::fill(labels.labels.begin() + run.begin, labels.labels.begin() + run.end, names[run.label]);
-  }
+  renameLabels(names, runs.data(), runs.data() + runs.size(), labels);
 }
 
 /// Gives every pixel of the runs the name of its run's label, whatever it had.

@@ -13,12 +13,12 @@ namespace ppc {
 
 /// @brief Working memory of NoiseModel::estimate(), which one image after the other may use.
 struct NoiseMemory {
-  std::vector<int> bin;           ///< of each patch, -1 if it is left out
-  std::vector<double> variance;   ///< of each patch
-  std::vector<int> bin_begin;     ///< of each bin's part of `variances`, and one past the last
-  std::vector<double> variances;  ///< of the patches, bin by bin
-  std::vector<double> pool;       ///< those of a bin and of its neighbours
-  std::vector<double> sigma;      ///< of each bin [m]
+  std::vector<int> bin;                    ///< of each patch, -1 if it is left out
+  std::vector<double> variance;            ///< of each patch
+  std::vector<int> bin_begin;              ///< of each bin's part of `variances`, and one past the last
+  std::vector<double> variances;           ///< of the patches, bin by bin
+  std::vector<std::vector<double>> pools;  ///< those of a bin and of its neighbours; one list a thread
+  std::vector<double> sigma;               ///< of each bin [m]
 };
 
 /// @brief Range noise as a function of range: from the sensor model, or estimated from an image.

@@ -64,12 +64,13 @@ struct AngularSteps {
 
 /// @brief Working memory of measureSteps() and makePatchGrid(), which one image after the other may use.
 struct PatchGridMemory {
-  std::vector<double> angles;           ///< of one column, or all
-  std::vector<std::vector<int>> links;  ///< neighbours of each thread's patches but the first one's
-  std::vector<int> link_counts;         ///< of each thread's patches
+  std::vector<std::vector<double>> angles;  ///< of one column, or all; one list a thread
+  std::vector<int> first_patches;           ///< of each part of the bands
+  std::vector<std::vector<int>> links;      ///< neighbours of each thread's patches but the first one's
+  std::vector<int> link_counts;             ///< of each thread's patches
 };
 
-void measureSteps(const BeamGrid& grid, PatchGridMemory& memory, AngularSteps& steps);
+void measureSteps(const BeamGrid& grid, PatchGridMemory& memory, AngularSteps& steps, int threads = 1);
 
 /// @brief Cuts the grid into patches, sums their moments with unit noise, w = r^2, and fits their planes.
 /// @param equal_angle false: square k x k patches, as in the paper.

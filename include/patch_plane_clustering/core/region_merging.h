@@ -27,7 +27,14 @@ struct MergeMemory {
   std::vector<Whole> whole;
   std::vector<char> fresh, changed;  ///< labels: pairs of those that have not changed need no second look
   LabelMeetings meetings;
-  std::vector<int> reached, wave;  ///< cells of a border: the last one that took each, and those of one
+  struct Border {              ///< what a thread knows of cells along a border
+    std::vector<int> reached;  ///< the last border that took each cell
+    std::vector<int> wave;     ///< cells of one border
+    int latest = -1;           ///< border
+    std::vector<std::pair<double, LabelPair>> candidates;
+  };
+  std::vector<Border> borders;             ///< one a thread
+  std::vector<std::pair<int, int>> pairs;  ///< groups [first, second) of each pair that is looked at
   std::vector<std::pair<double, LabelPair>> candidates;
 };
 

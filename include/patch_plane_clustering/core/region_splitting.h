@@ -25,7 +25,17 @@ struct LabelSplitMemory {
   std::vector<int> count, begin, next;  ///< cells of each label; its first place, and one past the last; the next to fill
   std::vector<Place> places;            ///< label by label
   std::vector<Part> parts;              ///< to be looked at
-  std::vector<SurfaceCell> surface;
+  struct Side {
+    Moments sum;
+    PlaneFit fit;
+  };
+  struct Split {
+    SurfaceCut cut;
+    Side low, high;
+  };
+  std::vector<std::vector<SurfaceCell>> surfaces;  ///< of a part; one a thread
+  std::vector<Split> splits;                       ///< of the parts that are labels
+  std::vector<char> found;                         ///< for each of these: whether there is one
 };
 
 /// @brief Splits labels that have swallowed a piece of another plane, as a face may its small neighbour that nothing else
@@ -40,6 +50,6 @@ struct LabelSplitMemory {
 /// @return whether any was split.
 bool splitLabels(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise,
                  const CoplanarityTolerance& tolerance, int smallest, LabelSplitMemory& memory, CellShares& shares,
-                 LabelImage& labels);
+                 LabelImage& labels, int threads = 1);
 
 }  // namespace ppc

@@ -39,6 +39,8 @@ struct RegionMemory {
 struct RenumberingMemory {
   std::vector<int> count, first;  ///< pixels, and where the first one is
   std::vector<std::int32_t> order, renamed;
+  std::vector<std::vector<LabelRun>> rest;  ///< runs of each part of the image but the first one
+  std::vector<int> valid;                   ///< pixels with a measurement in each part
 };
 
 /// @brief Plane, centroid, covariance, point count and rms of every region of a label image, whichever method made the
@@ -59,6 +61,6 @@ int renumberBySize(const BeamGrid& grid, int min_size, LabelImage& labels);
 /// @brief The same with memory. @param runs set to those of the new labels, as labelRuns(). @param valid_points set to the
 /// number of pixels with a measurement.
 int renumberBySize(const BeamGrid& grid, int min_size, RenumberingMemory& memory, LabelImage& labels,
-                   std::vector<LabelRun>& runs, int& valid_points);
+                   std::vector<LabelRun>& runs, int& valid_points, int threads = 1);
 
 }  // namespace ppc
