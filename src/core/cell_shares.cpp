@@ -210,12 +210,20 @@ CellShares shareCells(const BeamGrid& grid, const PatchGrid& cells, const NoiseM
 
 void shareClusters(const PatchClusters& clusters, CellShares& shares) {
   clear(shares);
-  for (const int cluster : clusters.cluster_of) {
-    shares.begin.push_back(static_cast<int>(shares.labels.size()));
-    shares.only.push_back(cluster + 1);
-    if (cluster >= 0) addShare(cluster + 1, CellShares::kWhole, shares);
+  const std::size_t count = clusters.cluster_of.size();
+  shares.begin.resize(count + 1);
+  shares.only.resize(count);
+  shares.labels.resize(count + 1);
+  int next = 0;
+  for (std::size_t k = 0; k < count; ++k) {  // without branches: clusters have many borders
+    const std::int32_t label = clusters.cluster_of[k] + 1;
+    shares.begin[k] = next;
+    shares.only[k] = shares.labels[next] = label;
+    next += label > 0 ? 1 : 0;
   }
-  shares.begin.push_back(static_cast<int>(shares.labels.size()));
+  shares.begin[count] = next;
+  shares.labels.resize(static_cast<std::size_t>(next));
+  shares.parts.assign(shares.labels.size(), CellShares::kWhole);
   shares.sums.emplace_back();
   for (const Cluster& cluster : clusters.clusters) shares.sums.push_back(cluster.moments);
 }

@@ -19,6 +19,7 @@ constexpr double kOneRing = 0.7;
 constexpr double kTwoRings = 1.5;
 constexpr double kNearlyOneRing = 0.69;  // less, for patches that may be beyond
 constexpr int kClusterSizes = 3;         // size of a cluster over that of such surroundings before they are asked
+constexpr char kNotPlanar = 0, kPlanar = 1, kUncertain = 2;
 constexpr int kInflationPatches = 3000;
 constexpr int kFewPatches = 2000;           // not worth a second thread
 constexpr std::ptrdiff_t kSortedShare = 8;  // of the seeds, the part that is sorted at a time
@@ -52,6 +53,17 @@ bool isFlat(const Moments& m, const PlaneFit& fit, double range, const NoiseMode
   return fit.chi2 < dof * (1.0 + slack) + 3.3 * std::sqrt(2.0 * dof * tolerance.inflationOf(m.n));
 }
 
+void weigh(const NoiseModel& noise, Patch& patch) {
+  const double sigma = noise.sigma(patch.range);
+  patch.weigh(sigma * sigma);
+}
+
+void gate(const NoiseModel& noise, const CoplanarityTolerance& tolerance, Patch& patch) {
+  const int pixels = (patch.row_end - patch.row_begin) * (patch.col_end - patch.col_begin);
+  patch.planar = patch.moments.n >= std::max(kMinPatchPoints, pixels / 3) &&
+                 isFlat(patch.moments, patch.fit, patch.range, noise, tolerance);
+}
+
 // Finds the surroundings of those patches in [begin, end) that are to be asked together with them.
 void measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
                          const GrowthMemory& memory, int begin, int end, FoundSurroundings& result) {
@@ -59,7 +71,7 @@ void measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const C
   result.around.clear();
   bool any = false;
   for (int i = begin; i < end; ++i) {
-    if (memory.uncertain[i] == 0) continue;
+    if (memory.kind[i] != kUncertain) continue;
     const Patch& patch = grid.patches[i];
     const double sigma = noise.sigma(patch.range);
     const double uncertainty =
@@ -107,18 +119,21 @@ void measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const C
   }
 }
 
-// What growth asks of every planar patch.
+// What growth asks of every planar patch. No patch has surroundings or a cluster yet.
 void measurePatches(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                    GrowthMemory& memory, int threads) {
+                    GrowthMemory& memory, PatchClusters& out, int threads) {
   for (std::vector<double>* numbers : {&memory.roughness, &memory.radius, &memory.precision}) {
     numbers->resize(grid.patches.size());
   }
-  memory.uncertain.resize(grid.patches.size());
+  memory.kind.resize(grid.patches.size());
+  memory.around_of.resize(grid.patches.size());
+  out.cluster_of.resize(grid.patches.size());
   forEachRange(threads, static_cast<int>(grid.patches.size()), [&](int begin, int end) {
     PatchRoughness roughness(memory.roughness);
     for (int i = begin; i < end; ++i) {
       const Patch& patch = grid.patches[i];
-      memory.uncertain[i] = 0;
+      memory.kind[i] = kNotPlanar;
+      memory.around_of[i] = out.cluster_of[i] = -1;
       if (!patch.planar) continue;
       roughness.add(grid, i);
       const double radius = patch.moments.radius(), sigma = noise.sigma(patch.range), n = patch.moments.n;
@@ -126,8 +141,9 @@ void measurePatches(const PatchGrid& grid, const NoiseModel& noise, const Coplan
       memory.radius[i] = radius;
       memory.precision[i] = n / (sigma * sigma) * (distance * distance + turned * turned);
       const double limit = kNearlyOneRing * distance;
-      memory.uncertain[i] =
-          sigma * sigma * tolerance.inflation > limit * limit * n * secantSquared(patch.fit.a, patch.range) ? 1 : 0;
+      const bool uncertain =
+          sigma * sigma * tolerance.inflation > limit * limit * n * secantSquared(patch.fit.a, patch.range);
+      memory.kind[i] = uncertain ? kUncertain : kPlanar;
     }
   });
 }
@@ -136,20 +152,23 @@ void measurePatches(const PatchGrid& grid, const NoiseModel& noise, const Coplan
 
 void weighPatches(const NoiseModel& noise, PatchGrid& grid, int threads) {
   forEachRange(threads, static_cast<int>(grid.patches.size()), [&](int begin, int end) {
-    for (int k = begin; k < end; ++k) {
-      const double sigma = noise.sigma(grid.patches[k].range);
-      grid.patches[k].weigh(sigma * sigma);
-    }
+    for (int k = begin; k < end; ++k) weigh(noise, grid.patches[k]);
   });
 }
 
 void gatePatches(const NoiseModel& noise, const CoplanarityTolerance& tolerance, PatchGrid& grid, int threads) {
   forEachRange(threads, static_cast<int>(grid.patches.size()), [&](int begin, int end) {
-    for (int k = begin; k < end; ++k) {
-      Patch& patch = grid.patches[k];
-      const int pixels = (patch.row_end - patch.row_begin) * (patch.col_end - patch.col_begin);
-      patch.planar = patch.moments.n >= std::max(kMinPatchPoints, pixels / 3) &&
-                     isFlat(patch.moments, patch.fit, patch.range, noise, tolerance);
+    for (int k = begin; k < end; ++k) gate(noise, tolerance, grid.patches[k]);
+  });
+}
+
+void weighAndGatePatches(const NoiseModel& noise, const CoplanarityTolerance& tolerance, PatchGrid& grid, int threads) {
+  constexpr int kAtATime = 16;  // stay at hand; no weight waits for a gate that was not foreseen
+  forEachRange(threads, static_cast<int>(grid.patches.size()), [&](int begin, int end) {
+    for (int first = begin; first < end; first += kAtATime) {
+      const int last = std::min(first + kAtATime, end);
+      for (int k = first; k < last; ++k) weigh(noise, grid.patches[k]);
+      for (int k = first; k < last; ++k) gate(noise, tolerance, grid.patches[k]);
     }
   });
 }
@@ -191,20 +210,18 @@ void growClusters(const PatchGrid& grid, const NoiseModel& noise, const Coplanar
   const int n = static_cast<int>(grid.patches.size());
   out.clusters.clear();
   out.members.clear();
-  out.cluster_of.assign(n, -1);
 
   const bool plain = !comparison.running_plane || !comparison.noise_aware;
 
   // Seeds: patches whose whole neighbourhood is flat come first; there the first steps are safe.
   if (n < kFewPatches) threads = 1;
-  measurePatches(grid, noise, tolerance, memory, threads);
+  measurePatches(grid, noise, tolerance, memory, out, threads);
   const std::vector<double>& radius = memory.radius;
   memory.seeds.clear();
   for (int i = 0; i < n; ++i) {
-    if (grid.patches[i].planar) memory.seeds.emplace_back(memory.roughness[i], i);
+    if (memory.kind[i] != kNotPlanar) memory.seeds.emplace_back(memory.roughness[i], i);
   }
   memory.around.clear();
-  memory.around_of.assign(n, -1);
   if (!plain) measureSurroundings(grid, noise, tolerance, memory, threads);
 
   const double greatest = greatestMisfit(threshold), noise_misfit = 3.0 * tolerance.inflation;

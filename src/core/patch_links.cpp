@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace ppc {
@@ -51,7 +52,7 @@ int linkBands(int begin, int end, std::vector<int>& neighbours, PatchGrid& grid)
 }  // namespace
 
 void linkPatches(int threads, PatchGridMemory& memory, PatchGrid& grid) {
-  const int bands = bandsOf(grid), parts = std::max(1, threads);
+  const int bands = bandsOf(grid), parts = rangeCount(threads, bands);
   grid.neighbour_begin.resize(grid.patches.size() + 1);
   std::vector<std::vector<int>>& rest = memory.links;  // the first part's go where all will be
   if (rest.size() + 1 < static_cast<std::size_t>(parts)) rest.resize(static_cast<std::size_t>(parts - 1));
@@ -61,17 +62,17 @@ void linkPatches(int threads, PatchGridMemory& memory, PatchGrid& grid) {
     sizes[part] = linkBands(partBegin(bands, parts, part), partBegin(bands, parts, part + 1),
                             part == 0 ? grid.neighbours : rest[part - 1], grid);
   });
-  int links = sizes[0];
-  for (int part = 1; part < parts; ++part) {
-    forEachBlock(grid, partBegin(bands, parts, part), partBegin(bands, parts, part + 1), [&](int strip, int k) {
-      const int p = grid.patch_of_block[grid.strip_begin[strip] + k];
-      if (p >= 0) grid.neighbour_begin[p] += links;
+  int links = 0;
+  for (int& size : sizes) links += std::exchange(size, links);  // from now on where they begin
+  if (grid.neighbours.size() < static_cast<std::size_t>(links)) grid.neighbours.resize(static_cast<std::size_t>(links));
+  forEachPart(threads, parts - 1, [&](int k) {
+    const int part = k + 1, first = sizes[part], end = part + 1 < parts ? sizes[part + 1] : links;
+    forEachBlock(grid, partBegin(bands, parts, part), partBegin(bands, parts, part + 1), [&](int strip, int block) {
+      const int p = grid.patch_of_block[grid.strip_begin[strip] + block];
+      if (p >= 0) grid.neighbour_begin[p] += first;
     });
-    const auto needed = static_cast<std::size_t>(links + sizes[part]);
-    if (needed > grid.neighbours.size()) grid.neighbours.resize(needed);
-    std::copy_n(rest[part - 1].begin(), sizes[part], grid.neighbours.begin() + links);
-    links += sizes[part];
-  }
+    std::copy_n(rest[k].begin(), end - first, grid.neighbours.begin() + first);
+  });
   grid.neighbour_begin.back() = links;
 }
 

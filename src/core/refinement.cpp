@@ -44,8 +44,10 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
   std::vector<char>& open = memory.open;
   whole.resize(cells.patches.size());
   open.resize(cells.patches.size());
-  forEachRange(threads, count, [&](int begin, int end) {
-    for (int k = begin; k < end; ++k) {
+  const int ranges = rangeCount(threads, count);
+  forEachPart(threads, 1 + ranges, [&](int part) {
+    if (part == 0) return memory.blocks.list(cells, shares);
+    for (int k = partBegin(count, ranges, part - 1), end = partBegin(count, ranges, part); k < end; ++k) {
       const int first = shares.begin[k], last = shares.begin[k + 1];
       if (last - first == 1 && shares.parts[first] == CellShares::kWhole) {  // as most are
         whole[k] = shares.labels[first];
@@ -64,7 +66,6 @@ void refineLabels(const BeamGrid& grid, const PatchGrid& cells, const CellShares
       open[k] = points > 0 && (newly || !full) ? 1 : 0;
     }
   });
-  memory.blocks.list(cells, shares);
   forEachRange(threads, count, memory.of_thread, [&](int begin, int end, RefinementMemory::OfThread& mine) {
     CellResolver resolver(grid, cells, planes, noise, tolerance, mine.resolver);
     LabelsAround around(cells, shares, memory.blocks, mine.around);

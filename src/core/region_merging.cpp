@@ -271,7 +271,8 @@ void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const Coplanar
   Beside list(threads, [&] { listRuns(labels, runs); });  // as they are before
   mergeShares(cells, noise, tolerance, threshold, memory, shares, planes, threads);
   list.wait();
-  renameLabels(memory.names, runs, labels);
+  forEachRange(threads, static_cast<int>(runs.size()),
+               [&](int begin, int end) { renameLabels(memory.names, runs.data() + begin, runs.data() + end, labels); });
   renameRuns(memory.names, runs);
 }
 

@@ -56,8 +56,7 @@ void addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, const Coplan
   PatchGrid& patches = memory.small_patches;
   makePatchGrid(grid, std::max(2, (config.patch_size + 2) / 2), memory.steps, &labels, config.threads, memory.patch_grids,
                 patches);
-  weighPatches(noise, patches, config.threads);
-  gatePatches(noise, tolerance, patches, config.threads);
+  weighAndGatePatches(noise, tolerance, patches, config.threads);
   const PatchClusters& clusters = memory.clusters;
   growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config), memory.growth, memory.clusters,
                config.threads);
@@ -110,8 +109,7 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
   NoiseModel noise = config.noise_scale > 0.0 ? NoiseModel(config.sensor, config.noise_scale)
                                               : NoiseModel::estimate(patches, config.sensor, memory.noise, config.threads);
   CoplanarityTolerance tolerance{config.sigma_distance, config.sigma_angle, 1.0};
-  weighPatches(noise, patches, config.threads);
-  gatePatches(noise, tolerance, patches, config.threads);
+  weighAndGatePatches(noise, tolerance, patches, config.threads);
   if (config.noise_aware && estimateCorrelation(config, noise, tolerance, memory)) {
     gatePatches(noise, tolerance, patches, config.threads);
   }

@@ -48,7 +48,7 @@ struct GrowthMemory {
   std::vector<std::pair<double, int>> seeds;  ///< roughness of the surroundings, index of the patch
   std::vector<double> roughness, radius;      ///< of every patch, where it is planar
   std::vector<double> precision;              ///< misfit(): precision times tau^2 across the surface, of the same
-  std::vector<char> uncertain;                ///< for every patch: planar, and may need its surroundings
+  std::vector<char> kind;                     ///< of every patch: 0, 1 if it is planar, 2 if it may need its surroundings
   std::vector<int> around_of;                 ///< for every patch: index of its surroundings, or -1
   std::vector<Surroundings> around;
 };
@@ -59,6 +59,9 @@ void weighPatches(const NoiseModel& noise, PatchGrid& grid, int threads = 1);
 
 /// @brief Marks the patches that are flat within the noise and the tolerance. @param grid with weighed moments.
 void gatePatches(const NoiseModel& noise, const CoplanarityTolerance& tolerance, PatchGrid& grid, int threads = 1);
+
+/// @brief Both, one after the other, in one pass over the patches.
+void weighAndGatePatches(const NoiseModel& noise, const CoplanarityTolerance& tolerance, PatchGrid& grid, int threads = 1);
 
 /// @brief How much more the planes of neighbouring patches differ than white noise explains: noise that is correlated along
 /// a line, or shared by a whole line, does not average out within a patch. From a low quantile over all pairs. At least 1.

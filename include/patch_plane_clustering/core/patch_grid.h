@@ -66,8 +66,8 @@ struct AngularSteps {
 struct PatchGridMemory {
   std::vector<std::vector<double>> angles;  ///< of one column, or all; one list a thread
   std::vector<int> first_patches;           ///< of each part of the bands
-  std::vector<std::vector<int>> links;      ///< neighbours of each thread's patches but the first one's
-  std::vector<int> link_counts;             ///< of each thread's patches
+  std::vector<std::vector<int>> links;      ///< neighbours of each part of the bands but the first one
+  std::vector<int> link_counts;             ///< of each part
 };
 
 void measureSteps(const BeamGrid& grid, PatchGridMemory& memory, AngularSteps& steps, int threads = 1);
