@@ -20,6 +20,27 @@ TEST(Parallel, CallsEveryPartOnce) {
   }
 }
 
+TEST(PartQueue, HandsOutEachPartOnceWhoeverAsks) {
+  for (const int workers : {1, 2, 3, 11}) {
+    for (const int count : {0, 1, 5, 40}) {
+      for (const int asking : {0, workers - 1}) {  // all by one worker: its own, then the others'
+        PartQueue queue(workers, count);
+        std::vector<int> calls(static_cast<std::size_t>(count), 0);
+        for (int part = queue.next(asking); part >= 0; part = queue.next(asking)) ++calls[static_cast<std::size_t>(part)];
+        EXPECT_EQ(calls, std::vector<int>(static_cast<std::size_t>(count), 1)) << workers << " workers";
+        EXPECT_EQ(queue.next(0), -1);
+      }
+    }
+  }
+}
+
+TEST(PartQueue, GivesEveryWorkerItsOwnShareFirst) {
+  PartQueue queue(2, 6);
+  const int asked[] = {0, 1, 1, 0, 1, 1, 0};
+  const int expected[] = {0, 3, 4, 1, 5, 2, -1};
+  for (int k = 0; k < 7; ++k) EXPECT_EQ(queue.next(asked[k]), expected[k]);
+}
+
 TEST(Parallel, RangesCoverAllIndicesOnce) {
   for (const int threads : {1, 2, 3}) {
     for (const int count : {0, 1, 7, 1000}) {

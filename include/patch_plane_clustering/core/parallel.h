@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "patch_plane_clustering/core/part_queue.h"
 #include "patch_plane_clustering/core/worker_pool.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cstddef>
 #include <functional>
 #include <utility>
@@ -26,9 +26,10 @@ void forEachWorker(int workers, const F& f) {
 /// @throws as forEachWorker().
 template <typename F>
 void forEachPart(int threads, int parts, F&& f) {
-  std::atomic<int> next{0};
-  forEachWorker(std::min(threads, parts), [&](int) {
-    for (int part = next++; part < parts; part = next++) f(part);
+  const int workers = std::min(threads, parts);
+  PartQueue queue(workers, parts);
+  forEachWorker(workers, [&](int worker) {
+    for (int part = queue.next(worker); part >= 0; part = queue.next(worker)) f(part);
   });
 }
 
@@ -38,9 +39,9 @@ template <typename Memory, typename F>
 void forEachPart(int threads, int parts, std::vector<Memory>& memories, F&& f) {
   const int workers = std::max(1, std::min(threads, parts));
   if (memories.size() < static_cast<std::size_t>(workers)) memories.resize(static_cast<std::size_t>(workers));
-  std::atomic<int> next{0};
+  PartQueue queue(workers, parts);
   forEachWorker(workers, [&](int worker) {
-    for (int part = next++; part < parts; part = next++) f(part, memories[worker]);
+    for (int part = queue.next(worker); part >= 0; part = queue.next(worker)) f(part, memories[worker]);
   });
 }
 
@@ -60,11 +61,6 @@ class Beside {
   F f_;
   WorkerPool::Beside beside_;
 };
-
-/// First index of a part, if [0, count) is cut into `parts` of about equal size; `part` = parts gives count.
-inline int partBegin(int count, int parts, int part) {
-  return static_cast<int>(static_cast<long long>(count) * part / parts);
-}
 
 /// How many ranges forEachRange() makes of [0, count).
 inline int rangeCount(int threads, int count) {
