@@ -47,6 +47,7 @@ class Dissolver {
     for (const DissolutionMemory::Thin& thin : memory_.thin) memory_.points[thin.label] = 0;
     for (const DissolutionMemory::Thin& thin : memory_.thin) {
       lookAt(thin);
+      if (memory_.around.empty()) continue;
       measure(thin.label, memory_.pixels.size());
       giveAway(thin.label);
     }
@@ -54,7 +55,7 @@ class Dissolver {
 
  private:
   bool isJudged(std::int32_t label) const {
-    return memory_.points[label] >= smallest_ && memory_.points[label] < kLargest * smallest_;
+    return memory_.points[label] >= smallest_ && memory_.points[label] / kLargest < smallest_;
   }
 
   // Whether no pixel around has a measurement and another label.
@@ -208,7 +209,7 @@ class Dissolver {
         best = k;
         least = sum;
       }
-      const bool near = count > 1 && memory_.costs[p * count + best] < kFarthestOf2;
+      const bool near = memory_.costs[p * count + best] < kFarthestOf2;
       memory_.given[p] = near ? memory_.around[best - 1] : 0;
     }
     for (std::size_t p = 0; p < pixels.size(); ++p) labels_.labels[pixels[p]] = memory_.given[p];
@@ -222,7 +223,7 @@ class Dissolver {
     float sum = 0.0F;
     for (int r = top; r <= bottom; ++r) {
       for (int j = grid_.index(r, left); j <= grid_.index(r, right); ++j) {
-        if (labels_.labels[j] != label) continue;
+        if (labels_.labels[j] != label || !grid_.valid(j)) continue;
         sum += std::min(kFarthestOf2, memory_.costs[static_cast<std::size_t>(memory_.place[j]) * count + k]);
       }
     }

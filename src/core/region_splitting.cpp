@@ -34,12 +34,14 @@ class LabelSplitter {
         noise_(noise),
         tolerance_(tolerance),
         smallest_(smallest),
+        smallest_side_(kMinSide * smallest),
         shares_(shares),
         labels_(labels),
         count_(memory.count),
         begin_(memory.begin),
         next_(memory.next),
         places_(memory.places),
+        leaving_(memory.leaving),
         parts_(memory.parts),
         surfaces_(memory.surfaces),
         splits_(memory.splits),
@@ -119,15 +121,15 @@ class LabelSplitter {
     for (int i = part.begin; i < part.end; ++i) {
       surface.push_back({xOf(places_[i]), yOf(places_[i], aspect), frame.measure(momentsOf(places_[i]))});
     }
-    const SurfaceCut cut = bestCut(surface, kMinSide * smallest_);
-    const double significant = kSignificance * tolerance_.inflationOf(kMinSide * smallest_);
+    const SurfaceCut cut = bestCut(surface, smallest_side_);
+    const double significant = kSignificance * tolerance_.inflationOf(smallest_side_);
     if (!(cut.gain >= significant) || !(cut.gain >= bowGain(surface) + significant)) return false;
     split = {cut, {}, {}};
     for (int i = part.begin; i < part.end; ++i) {
       (isBeyond(cut, places_[i], aspect) ? split.high : split.low).sum += momentsOf(places_[i]);
     }
     // Rounding may put cells that lie on the cut on its other side.
-    if (std::min(split.low.sum.n, split.high.sum.n) < kMinSide * smallest_) return false;
+    if (std::min(split.low.sum.n, split.high.sum.n) < smallest_side_) return false;
     split.low.fit = fitPlane(split.low.sum);
     split.high.fit = fitPlane(split.high.sum);
     return isExplained(split.low, split.high, fit) && isBeyondTolerance(split.low, split.high, fit);
@@ -153,8 +155,17 @@ class LabelSplitter {
     const Moments &low = split.low.sum, &high = split.high.sum;
     const bool beyond = high.n < low.n;  // is what leaves
     const float aspect = aspectOf(part);
-    const auto middle = std::stable_partition(places_.begin() + part.begin, places_.begin() + part.end,
-                                              [&](const Place& p) { return isBeyond(split.cut, p, aspect) != beyond; });
+    leaving_.clear();
+    auto middle = places_.begin() + part.begin;
+    for (int i = part.begin; i < part.end; ++i) {
+      const Place place = places_[i];
+      if (isBeyond(split.cut, place, aspect) == beyond) {
+        leaving_.push_back(place);
+      } else {
+        *middle++ = place;
+      }
+    }
+    std::copy(leaving_.begin(), leaving_.end(), middle);
     const auto fresh = static_cast<std::int32_t>(shares_.sums.size());
     shares_.sums[part.label] = beyond ? low : high;
     shares_.sums.push_back(beyond ? high : low);
@@ -177,10 +188,11 @@ class LabelSplitter {
   const NoiseModel& noise_;
   const CoplanarityTolerance& tolerance_;
   int smallest_;
+  double smallest_side_;
   CellShares& shares_;
   LabelImage& labels_;
   std::vector<int>&count_, &begin_, &next_;
-  std::vector<Place>& places_;
+  std::vector<Place>&places_, &leaving_;
   std::vector<Part>& parts_;
   std::vector<Surface>& surfaces_;
   std::vector<Split>& splits_;

@@ -132,9 +132,9 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
   const auto update = [&] {
     updateShares(grid, patches, noise, labels, changed, shares, memory.share_updates, config.threads);
   };
+  const int smallest = smallestRegion(config, grid.size());
   const auto split_labels = [&] {
-    return splitLabels(grid, patches, noise, tolerance, smallestRegion(config, grid.size()), memory.splits, shares, labels,
-                       config.threads);
+    return splitLabels(grid, patches, noise, tolerance, smallest, memory.splits, shares, labels, config.threads);
   };
   const auto refine = [&](std::int32_t first_open) {
     refineLabels(grid, patches, shares, planes, noise, tolerance, first_open, memory.refinement, labels, changed,
@@ -161,7 +161,8 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
         labelPlanes(shares, planes);
       }
       runs_known = config.merge;
-      // Merging tolerates more than splitting does; in white noise, what it has joined is known well enough to be judged.
+      // Merging tolerates more than splitting does; in white noise, what it has joined is known well enough to be judged. A
+      // side that is too small for a region leaves a better one behind.
       if (split_regions && config.merge && tolerance.isWhite() && split_labels()) {
         labelPlanes(shares, planes);
         runs_known = false;
@@ -193,8 +194,8 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
   timer.lap("curvature");
   list.wait();
   if (settle) {
-    settleContested(grid.cols, pieces, planes.size(), smallestRegion(config, grid.size()), gap_rows, gap_cols, borders,
-                    labels, memory.settled, config.threads);
+    settleContested(grid.cols, pieces, planes.size(), smallest, gap_rows, gap_cols, borders, labels, memory.settled,
+                    config.threads);
     timer.lap("borders");
   } else {
     paintRuns(pieces.runs, pieces.names, labels);
@@ -203,19 +204,16 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
   piece_planes.clear();
   for (const std::int32_t label : settle ? memory.settled : pieces.whole) piece_planes.push_back(planes[label]);
   if (config.dissolve_regions && config.noise_aware) {
-    dissolveRegions(grid, piece_planes, patches.center, noise, tolerance, smallestRegion(config, grid.size()),
-                    memory.dissolution, labels);
+    dissolveRegions(grid, piece_planes, patches.center, noise, tolerance, smallest, memory.dissolution, labels);
     timer.lap("dissolution");
   }
   if (config.fill_holes) {
-    fillHoles(grid, piece_planes, patches.center, noise, tolerance, smallestRegion(config, grid.size()), memory.holes,
-              labels, config.threads);
+    fillHoles(grid, piece_planes, patches.center, noise, tolerance, smallest, memory.holes, labels, config.threads);
     timer.lap("holes");
   }
   if (config.refine && config.align_creases) {
     // The plane of the smallest regions is not known well enough to tell where it meets another one.
-    alignCreases(grid, piece_planes, patches.center, noise, tolerance, 2 * smallestRegion(config, grid.size()),
-                 memory.creases, labels, config.threads);
+    alignCreases(grid, piece_planes, patches.center, noise, tolerance, 2 * smallest, memory.creases, labels, config.threads);
     timer.lap("creases");
   }
 }

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <vector>
 
 namespace ppc {
@@ -22,6 +24,7 @@ const CoplanarityTolerance kTolerance{0.005, 0.005, 1.0};
 struct Step {
   BeamGrid grid = forwardBeams(kRows, kCols, 0.005);
   LabelImage labels{kRows, kCols, {}};
+  DissolutionMemory memory;
   std::vector<Eigen::Vector3d> planes{Eigen::Vector3d::Zero(), at(kNear), at(kFar)};
 
   Step(int begin, int end, double distance) {
@@ -43,8 +46,8 @@ struct Step {
     }
   }
 
-  int left() {
-    dissolveRegions(grid, planes, Eigen::Vector3d::Zero(), kNoise, kTolerance, kSmallest, labels);
+  int left(int smallest = kSmallest) {
+    dissolveRegions(grid, planes, Eigen::Vector3d::Zero(), kNoise, kTolerance, smallest, memory, labels);
     return countOf(labels, 3);
   }
 
@@ -81,13 +84,47 @@ TEST(DissolveRegions, KeepsAThinFaceThatTouchesNothing) {
   EXPECT_EQ(step.left(), before);
 }
 
-// Points of a face half way between two others are, one by one, nearer to either of those.
+// Points of a face half way between two others are, one by one, nearer to either of those. With and without dropouts.
 TEST(DissolveRegions, KeepsAWideFaceBetweenTwoOthers) {
-  Step step(kEdge - 12, kEdge + 12, 0.5 * (kNear + kFar));
-  step.forEachPixel(kEdge - 12, kEdge, [&](int i) { step.grid.range[i] += static_cast<float>(0.5 * (kFar - kNear)); });
-  step.forEachPixel(kEdge, kEdge + 12, [&](int i) { step.grid.range[i] -= static_cast<float>(0.5 * (kFar - kNear)); });
-  const int before = countOf(step.labels, 3);
-  EXPECT_EQ(step.left(), before);
+  for (const int dropouts : {kRows, 3}) {
+    Step step(kEdge - 12, kEdge + 12, 0.5 * (kNear + kFar));
+    step.forEachPixel(kEdge - 12, kEdge, [&](int i) { step.grid.range[i] += static_cast<float>(0.5 * (kFar - kNear)); });
+    step.forEachPixel(kEdge, kEdge + 12, [&](int i) { step.grid.range[i] -= static_cast<float>(0.5 * (kFar - kNear)); });
+    for (int r = dropouts - 1; r < kRows; r += dropouts) {
+      for (int i = step.grid.index(r, 0); i < step.grid.index(r, kCols); ++i) {
+        step.grid.range[i] = kNoRange;
+        step.labels.labels[i] = 0;
+      }
+    }
+    const int before = countOf(step.labels, 3);
+    EXPECT_EQ(step.left(200), before) << dropouts;
+  }
+}
+
+TEST(DissolveRegions, LeavesLargeRegionsAlone) {
+  Step step(kEdge - 3, kEdge + 3, 0.5 * (kNear + kFar));
+  EXPECT_EQ(step.left(31), 510);
+  EXPECT_EQ(step.left(32), 0);
+}
+
+TEST(DissolveRegions, LeavesWhatIsHardlyExplainedBetter) {
+  for (const double off : {0.2, 0.6}) {
+    Step step(kEdge - 3, kEdge + 3, kNear + off * kSigma);
+    step.forEachPixel(kEdge, kEdge + 3, [&](int i) { step.grid.range[i] -= static_cast<float>(kFar - kNear); });
+    std::replace(step.labels.labels.begin(), step.labels.labels.end(), 2, 1);
+    const int before = countOf(step.labels, 3);
+    EXPECT_EQ(step.left(), off < 0.4 ? before : 0) << off;
+  }
+}
+
+TEST(DissolveRegions, GivesNothingToWhatIsDissolvedToo) {
+  Step step(kEdge - 3, kEdge + 3, 0.5 * (kNear + kFar));
+  step.planes.push_back(step.planes[3]);
+  step.forEachPixel(kEdge, kEdge + 3, [&](int i) { step.labels.labels[i] = 4; });
+  EXPECT_EQ(step.left(), 0);
+  EXPECT_EQ(countOf(step.labels, 4), 0);
+  EXPECT_GT(step.shareOf(1, kEdge - 3, kEdge), 0.9);
+  EXPECT_GT(step.shareOf(2, kEdge, kEdge + 3), 0.9);
 }
 
 TEST(DissolveRegions, LeavesWhatIsNoRegion) {
@@ -101,18 +138,17 @@ TEST(DissolveRegions, LeavesWhatIsNoRegion) {
   EXPECT_EQ(step.left(), before);
 }
 
-TEST(DissolveRegions, GivesNothingToWhatIsNoRegion) {
+TEST(DissolveRegions, IsNotExplainedByWhatIsNoRegion) {
   Step step(kEdge - 3, kEdge + 3, 0.5 * (kNear + kFar));
   for (int r = 0; r < kRows; ++r) {
     for (int c = 0; c < kCols; ++c) {
       std::int32_t& label = step.labels.labels[step.grid.index(r, c)];
-      if (label == 2 && (r >= 9 || c >= kEdge + 12)) label = 0;  // too small a rest of it
+      if (label == 2 && (r < 5 || c != kEdge + 3)) label = 0;  // a rest of it, too small
     }
   }
   ASSERT_LT(countOf(step.labels, 2), kSmallest);
-  const int before = countOf(step.labels, 2);
-  step.left();
-  EXPECT_EQ(countOf(step.labels, 2), before);
+  const int before = countOf(step.labels, 3);
+  EXPECT_EQ(step.left(), before);
 }
 
 TEST(DissolveRegions, LeavesOutliersToNoRegion) {
@@ -128,6 +164,7 @@ TEST(DissolveRegions, PassesOverPixelsWithoutARange) {
   for (int r = 0; r < kRows; r += 3) {
     for (int c = 0; c < kCols; ++c) step.grid.range[step.grid.index(r, c)] = kNoRange;
   }
+  step.memory.place.assign(static_cast<std::size_t>(step.grid.size()), 1 << 30);  // of another image
   step.left();
   int kept = 0;
   for (int i = 0; i < step.grid.size(); ++i) kept += step.labels.labels[i] == 3 && step.grid.valid(i) ? 1 : 0;

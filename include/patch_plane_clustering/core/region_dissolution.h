@@ -39,8 +39,11 @@ struct DissolutionMemory {
 /// for a face while the step is not much higher than the noise. Its points, though, are one by one nearer to either face
 /// than to it. So a region is dissolved if the mean square of its points' distances from the nearest of the planes around
 /// is less than nine tenths of that of their distances from its own. Only thin ones are judged, of which many points touch
-/// what is around: in a wide face between two others the nearest plane would change from point to point. Points go to that
-/// region around whose plane fits best over a small window, or to none.
+/// what is around, and of less than 16 times the smallest size: in a wide face between two others the nearest plane would
+/// change from point to point. Distances are along beams, squared, in variances of noise and tolerance, and 25 at most. A
+/// point goes to that region around whose plane fits best over the region's pixels among the nine about it, or to none if
+/// that is 3 standard deviations off. Of two that explain only each other, neither is dissolved. Thread-safe with memory of
+/// one's own.
 /// @param planes a (see moments.h) of every label. @param center origin of the planes [m]. @param smallest points that a
 /// region has at least: what is smaller is neither judged nor given any.
 void dissolveRegions(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,

@@ -23,7 +23,7 @@ struct LabelSplitMemory {
     int begin, end;
   };
   std::vector<int> count, begin, next;  ///< cells of each label; its first place, and one past the last; the next to fill
-  std::vector<Place> places;            ///< label by label
+  std::vector<Place> places, leaving;   ///< label by label; those of the side that gets a new label
   std::vector<Part> parts;              ///< to be looked at
   struct Side {
     Moments sum;
@@ -42,9 +42,10 @@ struct LabelSplitMemory {
 /// competes for: along the straight cut after which a plane on each side explains most.
 ///
 /// A label is split if two planes explain it far better than one, and than one quadratic surface: that is for the test of
-/// curvature; if their misfit is beyond the tolerance; and if they leave nothing to explain but noise. Where errors are
-/// correlated, what is left must be within noise; where they are not, there may be a third plane. Sides are split again.
-/// Labels of more than 300 cells are left alone: it costs time there, and has found nothing.
+/// curvature; if their misfit is beyond the tolerance; and if they leave little to explain. Where errors are correlated,
+/// that is what noise may leave; where they are not, there may be more planes, and up to three times what the cut explains
+/// may be left. Sides are split again. Labels of more than 300 cells are left alone: it costs time there, and has found
+/// nothing.
 /// @param cells with weighed moments. @param smallest points of a label; a side has a quarter at least.
 /// @param shares of `labels`. Both are brought up to date: new labels follow the last of shares.sums.
 /// @return whether any was split.
