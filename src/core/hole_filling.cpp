@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/hole_filling.h"
 
+#include "patch_plane_clustering/core/beam_planes.h"
 #include "patch_plane_clustering/core/parallel.h"
 
 #include <algorithm>
@@ -26,13 +27,10 @@ void listPart(const std::vector<std::int32_t>& labels, int begin, int end, std::
 
 class HoleFiller {
  public:
-  HoleFiller(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
-             const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, HoleMemory& memory,
-             LabelImage& labels)
+  HoleFiller(const BeamGrid& grid, const BeamPlanes& planes, const CoplanarityTolerance& tolerance, int smallest,
+             HoleMemory& memory, LabelImage& labels)
       : grid_(grid),
         planes_(planes),
-        center_(center),
-        noise_(noise),
         tolerance_(tolerance),
         smallest_(smallest),
         labels_(labels.labels),
@@ -73,7 +71,7 @@ class HoleFiller {
  private:
   void fillFrom(int first) {
     const std::int32_t around = collect(first);
-    if (around == 0 || static_cast<int>(speck_.size()) >= smallest_ || !belongs(planes_[around])) return;
+    if (around == 0 || static_cast<int>(speck_.size()) >= smallest_ || !belongs(around)) return;
     for (const int i : speck_) labels_[i] = around;
   }
 
@@ -105,17 +103,17 @@ class HoleFiller {
   }
 
   // Whether the speck lies on a plane as well as noise lets it.
-  bool belongs(const Eigen::Vector3d& a) const {
+  bool belongs(std::int32_t label) const {
+    const double a2 = planes_.of(label).squaredNorm();
     double sum = 0.0, squares = 0.0, variances = 0.0, allowed = 0.0;
     for (const int i : speck_) {
-      const double along = a.dot(grid_.direction(i).cast<double>());
-      const double across = 1.0 + a.dot(center_) - a.dot(grid_.origin(i).cast<double>());
-      const double distance = grid_.range[i] - across / along;
-      const double sigma = noise_.sigma(grid_.range[i]), floor = tolerance_.forNoise(sigma).sigma_distance;
-      const double tolerated = floor * floor * std::min(kMaxSecant2, a.squaredNorm() / (along * along));
+      const BeamPlanes::Meeting met = planes_.meet(i, label);
+      const BeamPlanes::Errors errors = planes_.errorsAt(i);
+      const double distance = grid_.range[i] - met.across / met.along;
+      const double tolerated = errors.floor * errors.floor * std::min(kMaxSecant2, a2 / (met.along * met.along));
       sum += distance;
-      squares += distance * distance / (sigma * sigma + tolerated);
-      variances += sigma * sigma;
+      squares += distance * distance / (errors.sigma * errors.sigma + tolerated);
+      variances += errors.sigma * errors.sigma;
       allowed += tolerated;
     }
     const auto n = static_cast<double>(speck_.size());
@@ -124,9 +122,7 @@ class HoleFiller {
   }
 
   const BeamGrid& grid_;
-  const std::vector<Eigen::Vector3d>& planes_;
-  const Eigen::Vector3d& center_;
-  const NoiseModel& noise_;
+  const BeamPlanes& planes_;
   const CoplanarityTolerance& tolerance_;
   int smallest_;
   std::vector<std::int32_t>& labels_;
@@ -141,7 +137,8 @@ class HoleFiller {
 void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
                const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, HoleMemory& memory,
                LabelImage& labels, int threads) {
-  HoleFiller filler(grid, planes, center, noise, tolerance, smallest, memory, labels);
+  const BeamPlanes of_labels(grid, planes, center, noise, tolerance);
+  HoleFiller filler(grid, of_labels, tolerance, smallest, memory, labels);
   filler.listRuns(threads);
   filler.fillAll();
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/region_dissolution.h"
 
+#include "patch_plane_clustering/core/beam_planes.h"
 #include "patch_plane_clustering/core/lanes.h"
 
 #include <algorithm>
@@ -20,17 +21,8 @@ constexpr float kFarthestOf2 = 9.0F;  // and at which it is not of a plane
 
 class Dissolver {
  public:
-  Dissolver(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
-            const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, DissolutionMemory& memory,
-            LabelImage& labels)
-      : grid_(grid),
-        planes_(planes),
-        center_(center),
-        noise_(noise),
-        tolerance_(tolerance),
-        smallest_(smallest),
-        memory_(memory),
-        labels_(labels) {}
+  Dissolver(const BeamGrid& grid, const BeamPlanes& planes, int smallest, DissolutionMemory& memory, LabelImage& labels)
+      : grid_(grid), planes_(planes), smallest_(smallest), memory_(memory), labels_(labels) {}
 
   void dissolveAll() {
     listRuns(labels_, memory_.runs);
@@ -58,18 +50,23 @@ class Dissolver {
     return memory_.points[label] >= smallest_ && memory_.points[label] / kLargest < smallest_;
   }
 
-  // Whether no pixel around has a measurement and another label.
-  bool isInside(int i) const {
+  // Calls f(pixel) for a pixel and those next to it, corners too, row by row.
+  template <typename F>
+  void forEachAbout(int i, F&& f) const {
     const int row = i / grid_.cols, col = i % grid_.cols;
     const int top = std::max(row - 1, 0), bottom = std::min(row + 1, grid_.rows - 1);
     const int left = std::max(col - 1, 0), right = std::min(col + 1, grid_.cols - 1);
-    const std::int32_t label = labels_.labels[i];
     for (int r = top; r <= bottom; ++r) {
-      for (int j = grid_.index(r, left); j <= grid_.index(r, right); ++j) {
-        if (labels_.labels[j] != label && grid_.valid(j)) return false;
-      }
+      for (int j = grid_.index(r, left); j <= grid_.index(r, right); ++j) f(j);
     }
-    return true;
+  }
+
+  // Whether no pixel around has a measurement and another label.
+  bool isInside(int i) const {
+    const std::int32_t label = labels_.labels[i];
+    bool inside = true;
+    forEachAbout(i, [&](int j) { inside = inside && (labels_.labels[j] == label || !grid_.valid(j)); });
+    return inside;
   }
 
   // Pixels of a run about which there are none of another label; not those next to the ends of the image.
@@ -158,9 +155,8 @@ class Dissolver {
   }
 
   // Squared distance of a point from a plane along its beam, in variances of noise and tolerance; capped.
-  float cost(int i, const Eigen::Vector3d& a, double variance) const {
-    const double along = a.dot(grid_.direction(i).cast<double>());
-    const double across = 1.0 + a.dot(center_) - a.dot(grid_.origin(i).cast<double>());
+  float cost(int i, std::int32_t label, double variance) const {
+    const auto [along, across] = planes_.meet(i, label);
     const double missed = grid_.range[i] * along - across;
     if (!(across * along > 0.0)) return kFarthest2;  // the beam does not meet it
     return static_cast<float>(std::min<double>(kFarthest2, missed * missed / (variance * along * along)));
@@ -175,13 +171,13 @@ class Dissolver {
     double own = 0.0, others = 0.0;
     for (std::size_t p = 0; p < memory_.pixels.size(); p += step) {
       const int i = memory_.pixels[p];
-      const double sigma = noise_.sigma(grid_.range[i]), floor = tolerance_.forNoise(sigma).sigma_distance;
+      const auto [sigma, floor] = planes_.errorsAt(i);
       const double variance = sigma * sigma + floor * floor;
-      memory_.costs.push_back(cost(i, planes_[label], variance));
+      memory_.costs.push_back(cost(i, label, variance));
       own += memory_.costs.back();
       float least = kFarthest2;
       for (const std::int32_t other : around) {
-        memory_.costs.push_back(cost(i, planes_[other], variance));
+        memory_.costs.push_back(cost(i, other, variance));
         least = std::min(least, memory_.costs.back());
       }
       others += least;
@@ -217,24 +213,16 @@ class Dissolver {
 
   // Costs of a plane at the region's pixels about one of them.
   float sumAround(int i, std::int32_t label, std::size_t k, std::size_t count) const {
-    const int row = i / grid_.cols, col = i % grid_.cols;
-    const int top = std::max(row - 1, 0), bottom = std::min(row + 1, grid_.rows - 1);
-    const int left = std::max(col - 1, 0), right = std::min(col + 1, grid_.cols - 1);
     float sum = 0.0F;
-    for (int r = top; r <= bottom; ++r) {
-      for (int j = grid_.index(r, left); j <= grid_.index(r, right); ++j) {
-        if (labels_.labels[j] != label || !grid_.valid(j)) continue;
-        sum += std::min(kFarthestOf2, memory_.costs[static_cast<std::size_t>(memory_.place[j]) * count + k]);
-      }
-    }
+    forEachAbout(i, [&](int j) {
+      if (labels_.labels[j] != label || !grid_.valid(j)) return;
+      sum += std::min(kFarthestOf2, memory_.costs[static_cast<std::size_t>(memory_.place[j]) * count + k]);
+    });
     return sum;
   }
 
   const BeamGrid& grid_;
-  const std::vector<Eigen::Vector3d>& planes_;
-  const Eigen::Vector3d& center_;
-  const NoiseModel& noise_;
-  const CoplanarityTolerance& tolerance_;
+  const BeamPlanes& planes_;
   int smallest_;
   DissolutionMemory& memory_;
   LabelImage& labels_;
@@ -245,13 +233,8 @@ class Dissolver {
 void dissolveRegions(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
                      const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, DissolutionMemory& memory,
                      LabelImage& labels) {
-  Dissolver(grid, planes, center, noise, tolerance, smallest, memory, labels).dissolveAll();
-}
-
-void dissolveRegions(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
-                     const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, LabelImage& labels) {
-  DissolutionMemory memory;
-  dissolveRegions(grid, planes, center, noise, tolerance, smallest, memory, labels);
+  const BeamPlanes of_labels(grid, planes, center, noise, tolerance);
+  Dissolver(grid, of_labels, smallest, memory, labels).dissolveAll();
 }
 
 }  // namespace ppc

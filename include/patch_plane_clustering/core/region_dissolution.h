@@ -50,8 +50,4 @@ void dissolveRegions(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& p
                      const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, DissolutionMemory& memory,
                      LabelImage& labels);
 
-/// @brief The same without memory.
-void dissolveRegions(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
-                     const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, LabelImage& labels);
-
 }  // namespace ppc

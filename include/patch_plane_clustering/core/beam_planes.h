@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/noise_model.h"
+#include "patch_plane_clustering/core/similarity.h"
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace ppc {
+
+/// @brief Planes of labels as single beams meet them, and the errors to be expected there. The arguments must outlive the
+/// object. Thread-safe.
+class BeamPlanes {
+ public:
+  /// @param planes a (see moments.h) of every label. @param center origin of the planes [m].
+  BeamPlanes(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
+             const NoiseModel& noise, const CoplanarityTolerance& tolerance)
+      : grid_(grid), planes_(planes), center_(center), noise_(noise), tolerance_(tolerance) {}
+
+  std::size_t size() const { return planes_.size(); }  ///< labels
+  const Eigen::Vector3d& of(std::int32_t label) const { return planes_[label]; }
+
+  /// A beam meets a plane at the range across / along [m], ahead of it if that is positive.
+  struct Meeting {
+    double along, across;
+  };
+  Meeting meet(int pixel, std::int32_t label) const {
+    const Eigen::Vector3d& a = planes_[label];
+    return {a.dot(grid_.direction(pixel).cast<double>()), 1.0 + a.dot(center_) - a.dot(grid_.origin(pixel).cast<double>())};
+  }
+
+  /// One standard deviation of the noise of a pixel's range, and of what planes are allowed there [m].
+  struct Errors {
+    double sigma, floor;
+  };
+  Errors errorsAt(int pixel) const {
+    const double sigma = noise_.sigma(grid_.range[pixel]);
+    return {sigma, tolerance_.forNoise(sigma).sigma_distance};
+  }
+
+ private:
+  const BeamGrid& grid_;
+  const std::vector<Eigen::Vector3d>& planes_;
+  const Eigen::Vector3d& center_;
+  const NoiseModel& noise_;
+  const CoplanarityTolerance& tolerance_;
+};
+
+}  // namespace ppc
