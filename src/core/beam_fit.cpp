@@ -205,6 +205,14 @@ BeamSums sumBlocks(const BeamGrid& grid, const PixelStretch* begin, const PixelS
                                : sumBlocks<kWeights, true>(grid, begin, end, frame, scale);
 }
 
+Eigen::Matrix3d equationsOf(const BeamSums& s) {
+  Eigen::Matrix3d equations;
+  equations << s.waa, s.wab, s.wa, s.wab, s.wbb, s.wb, s.wa, s.wb, s.w;
+  return equations;
+}
+
+Eigen::Vector3d rightOf(const BeamSums& s) { return {s.wha, s.whb, s.wh}; }
+
 }  // namespace
 
 int firstValid(const BeamGrid& grid, const PixelStretch* begin, const PixelStretch* end) {
@@ -216,24 +224,24 @@ int firstValid(const BeamGrid& grid, const PixelStretch* begin, const PixelStret
   return -1;
 }
 
-BeamSums& BeamSums::operator+=(const BeamSums& o) {
-  w += o.w;
-  wa += o.wa;
-  wb += o.wb;
-  waa += o.waa;
-  wab += o.wab;
-  wbb += o.wbb;
-  wh += o.wh;
-  wha += o.wha;
-  whb += o.whb;
-  whh += o.whh;
-  h += o.h;
-  hh += o.hh;
-  a += o.a;
-  b += o.b;
-  valid += o.valid;
-  used += o.used;
-  kept += o.kept;
+BeamSums& BeamSums::combine(const BeamSums& o, int sign) {
+  w += sign * o.w;
+  wa += sign * o.wa;
+  wb += sign * o.wb;
+  waa += sign * o.waa;
+  wab += sign * o.wab;
+  wbb += sign * o.wbb;
+  wh += sign * o.wh;
+  wha += sign * o.wha;
+  whb += sign * o.whb;
+  whh += sign * o.whh;
+  h += sign * o.h;
+  hh += sign * o.hh;
+  a += sign * o.a;
+  b += sign * o.b;
+  valid += sign * o.valid;
+  used += sign * o.used;
+  kept += sign * o.kept;
   return *this;
 }
 
@@ -276,11 +284,14 @@ double newtonScale(const BeamSums& sums, double limit) {
   return std::clamp(kScale + kScaleSlope * (limit2 - kLimit2), 1.0, kMaxScale);
 }
 
+double gainOf(const BeamSums& sums, const Eigen::Vector3d& step) {
+  return step.dot(2.0 * rightOf(sums) - equationsOf(sums) * step);
+}
+
 std::optional<BeamStep> stepOf(const BeamSums& s, double scale) {
   if (s.kept < 3) return std::nullopt;
-  Eigen::Matrix3d equations;
-  equations << s.waa, s.wab, s.wa, s.wab, s.wbb, s.wb, s.wa, s.wb, s.w;
-  const Eigen::Vector3d right(s.wha, s.whb, s.wh);
+  const Eigen::Matrix3d equations = equationsOf(s);
+  const Eigen::Vector3d right = rightOf(s);
   const Eigen::LDLT<Eigen::Matrix3d> solver(equations);
   if (solver.info() != Eigen::Success || !solver.isPositive() || !(solver.rcond() >= kMinCondition)) return std::nullopt;
   BeamStep step;

@@ -16,6 +16,7 @@ constexpr int kChunkBlocks = 32;
 constexpr int kMaxPasses = 3;
 // Of a step: what is linear near the start no longer is. Gain as a share of the squares, and change of the incidence.
 constexpr double kFarStep = 0.02, kFarTurn = 0.05;
+constexpr int kFringePoints = 8192;  // of a larger region, a fringe of one pixel turns the plane little
 
 using Chunk = RegionMemory::Chunk;
 using Stage = RegionMemory::Stage;
@@ -60,9 +61,9 @@ class RegionFitter {
   void fitAlongBeams() {
     for (int pass = 1; pass <= kMaxPasses; ++pass) {
       if (!sumAlong(Stage::kAlong)) return;
-      for (std::size_t id = 0; id < stages_.size(); ++id) {
-        if (stages_[id] == Stage::kAlong) step(id, memory_.beam_sums[id], pass == kMaxPasses);
-      }
+      forEachPart(threads_, static_cast<int>(stages_.size()), memory_.fringes, [&](int id, FringeMemory& fringe) {
+        if (stages_[id] == Stage::kAlong) step(id, memory_.beam_sums[id], pass == kMaxPasses, fringe);
+      });
     }
   }
 
@@ -136,7 +137,7 @@ class RegionFitter {
     });
   }
 
-  void step(std::size_t id, const BeamSums& sums, bool last) {
+  void step(std::size_t id, const BeamSums& sums, bool last, FringeMemory& fringe) {
     BeamStart& start = starts_[id];
     const double scale = newtonScale(sums, start.scale.limit);
     const std::optional<BeamStep> step = stepOf(sums, scale);
@@ -150,8 +151,7 @@ class RegionFitter {
       return;
     }
     const Plane plane = movedBy(*step, start.frame, start.origin);
-    const Eigen::Vector3d beam = start.frame.meanOf(sums) - start.origin;
-    const double incidence = plane.normal.dot(beam) / start.frame.plane().normal.dot(beam);
+    const double incidence = incidenceOver(start, plane, sums);
     if (!plane.normal.allFinite() || !std::isfinite(plane.d) || !(incidence > 0.0)) {
       stages_[id] = Stage::kAcross;
       return;
@@ -160,15 +160,52 @@ class RegionFitter {
       start.frame = BeamFrame(plane, start.frame.centre());
       return;
     }
+    describe(id, sums, sums, *step, scale, plane);
+    stages_[id] = Stage::kDone;
+    if (sums.valid <= kFringePoints && start.scale.limit < kNoLimit) {
+      leaveOutFringe(id, sums, scale, std::sqrt(scale * varianceOf(sums, step->gain)), fringe);
+    }
+  }
+
+  // One more step, without the parts of the fringe that are off the plane.
+  void leaveOutFringe(std::size_t id, const BeamSums& sums, double scale, double sigma, FringeMemory& memory) {
+    const BeamStart& start = starts_[id];
+    const std::vector<PixelStretch>& off =
+        offFringe(grid_, blocksBegin(id), blocksEnd(id), regions_[id].plane, sigma, start.scale, memory);
+    if (off.empty()) return;
+    BeamSums rest = sums;
+    rest -= sumBeams(grid_, off.data(), off.data() + off.size(), start.frame, BeamWeights::kTrimmed, start.scale);
+    if (rest.kept < sums.kept / 2) return;
+    const std::optional<BeamStep> step = stepOf(rest, scale);
+    if (!step) return;
+    const Plane plane = movedBy(*step, start.frame, start.origin);
+    if (!plane.normal.allFinite() || !std::isfinite(plane.d) || !(incidenceOver(start, plane, sums) > 0.0)) return;
+    describe(id, sums, rest, *step, scale, plane);
+  }
+
+  // How much less obliquely the beams meet a plane than that of the start.
+  static double incidenceOver(const BeamStart& start, const Plane& plane, const BeamSums& sums) {
+    const Eigen::Vector3d beam = start.frame.meanOf(sums) - start.origin;
+    return plane.normal.dot(beam) / start.frame.plane().normal.dot(beam);
+  }
+
+  static double varianceOf(const BeamSums& sums, double gain) {
+    return std::max(0.0, sums.whh - gain) / std::max(1, sums.kept - 3);
+  }
+
+  // @param all sums of all points. @param telling of those that the step was found from.
+  void describe(std::size_t id, const BeamSums& all, const BeamSums& telling, const BeamStep& step, double scale,
+                const Plane& plane) {
+    const BeamStart& start = starts_[id];
     PlanarRegion& region = regions_[id];
     region.plane = plane;
-    region.centroid = start.frame.meanOf(sums);
-    region.points = sums.valid;
+    region.centroid = start.frame.meanOf(all);
+    region.points = all.valid;
     // The step brings all points nearer, at the kept ones' mean incidence, and changes that.
-    region.rms = incidence * std::sqrt(std::max(0.0, sums.hh - step->gain * sums.kept / sums.w) / sums.valid);
-    const double variance = std::max(0.0, sums.whh - step->gain) / std::max(1, sums.kept - 3);
-    region.covariance = planeCovariance(*step, start.frame, plane, scale * scale * variance);
-    stages_[id] = Stage::kDone;
+    const double squares = all.hh - gainOf(all, step.x) * all.kept / all.w;
+    region.rms = incidenceOver(start, plane, all) * std::sqrt(std::max(0.0, squares) / all.valid);
+    region.covariance =
+        planeCovariance(step, start.frame, plane, scale * scale * varianceOf(telling, gainOf(telling, step.x)));
   }
 
   // The first point of a region; the frame's origin if it has none.

@@ -44,7 +44,11 @@ struct BeamSums {
   int used = 0;                                             ///< those not seen edge-on
   int kept = 0;                                             ///< those of them that the weights kept
 
-  BeamSums& operator+=(const BeamSums& o);
+  BeamSums& operator+=(const BeamSums& o) { return combine(o, 1); }
+  BeamSums& operator-=(const BeamSums& o) { return combine(o, -1); }
+
+ private:
+  BeamSums& combine(const BeamSums& o, int sign);
 };
 
 /// @brief What errors along the beams are measured from: a plane, a point on it, and the two axes of the frame that span
@@ -87,6 +91,9 @@ constexpr double kNoLimit = 1e15;  ///< of errors along the beams [m]
 /// points come and go at the limit. As much as errors below it seem less than they are; normal ones, whose variance tells
 /// where in their distribution the limit lies. The covariance is larger by the square.
 double newtonScale(const BeamSums& sums, double limit);
+
+/// What a step takes off the sum of squares of some points, whichever points it was found from.
+double gainOf(const BeamSums& sums, const Eigen::Vector3d& step);
 
 /// @param scale of the step. @return none if the points do not tell the plane.
 std::optional<BeamStep> stepOf(const BeamSums& sums, double scale = 1.0);

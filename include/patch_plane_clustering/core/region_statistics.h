@@ -6,6 +6,7 @@
 #include "patch_plane_clustering/core/beam_grid.h"
 #include "patch_plane_clustering/core/beam_start.h"
 #include "patch_plane_clustering/core/label_runs.h"
+#include "patch_plane_clustering/core/region_fringe.h"
 #include "patch_plane_clustering/core/segmentation.h"
 
 #include <cstddef>
@@ -33,6 +34,7 @@ struct RegionMemory {
   std::vector<PointSums> point_parts, point_sums;  ///< the same
   std::vector<Eigen::Vector3d> origins;            ///< which the latter are about
   std::vector<BeamStartMemory> threads;            ///< one a thread
+  std::vector<FringeMemory> fringes;               ///< the same
 };
 
 /// @brief Working memory of renumberBySize(), by the labels as they were.
@@ -46,7 +48,8 @@ struct RenumberingMemory {
 /// @brief Plane, centroid, covariance, point count and rms of every region of a label image, whichever method made the
 /// labels. The plane minimises errors along the beams, where range noise runs, and small ones across them (BeamStart; total
 /// least squares where a region is seen edge-on), without those beyond 2.5 standard deviations: points that got the label
-/// from beside the region do not turn it. The covariance takes the residuals' own variance, and points as independent.
+/// from beside the region do not turn it; of regions up to 8192 points, without parts of the fringe that lie off the plane to
+/// one side either (offFringe()). The covariance takes the residuals' own variance, and points as independent.
 /// Centroid, count and rms are those of all points.
 /// @param labels values 1..N, 0 = none; same size as the grid.
 /// @return one region for each id 1..max that has at least 3 points; in ascending id.
