@@ -16,6 +16,7 @@ constexpr int kChunkBlocks = 32;
 constexpr int kMaxPasses = 3;
 // Of a step: what is linear near the start no longer is. Gain as a share of the squares, and change of the incidence.
 constexpr double kFarStep = 0.02, kFarTurn = 0.05;
+constexpr double kWorseRms = 1.25;   // of all points
 constexpr int kFringePoints = 8192;  // of a larger region, a fringe of one pixel turns the plane little
 
 using Chunk = RegionMemory::Chunk;
@@ -180,7 +181,9 @@ class RegionFitter {
     if (!step) return;
     const Plane plane = movedBy(*step, start.frame, start.origin);
     if (!plane.normal.allFinite() || !std::isfinite(plane.d) || !(incidenceOver(start, plane, sums) > 0.0)) return;
+    const PlanarRegion before = regions_[id];
     describe(id, sums, rest, *step, scale, plane);
+    if (regions_[id].rms > kWorseRms * before.rms) regions_[id] = before;  // the region, not what is beside it, was left out
   }
 
   // How much less obliquely the beams meet a plane than that of the start.
