@@ -12,7 +12,10 @@
 namespace ppc {
 namespace {
 
-constexpr int kFewestCells = 12, kMostCells = 300;
+constexpr int kFewestCells = 12, kManyCells = 300;
+// Of labels of many cells: chi-square of a point, on average, above which they are looked at, and the least cosine between
+// both sides, as nothing but a low step is swallowed by so much; what bends stays whole.
+constexpr double kLargeMisfit = 1.03, kLargeParallel = 0.998;
 constexpr double kSignificance = 30.0;  // of a cut, over one plane and one quadratic surface: far beyond chi-square
 constexpr double kMinMisfit = 0.5;      // of both sides on one plane
 constexpr double kNoise = 3.3;          // standard deviations of chi-square that noise alone may leave
@@ -76,8 +79,9 @@ class LabelSplitter {
     for (const std::int32_t label : shares_.labels) ++count_[label];
     begin_.assign(1, 0);
     for (std::size_t label = 0; label < count_.size(); ++label) {
-      const bool may_split =
-          count_[label] >= kFewestCells && count_[label] <= kMostCells && shares_.sums[label].n >= smallest_;
+      const Moments& sum = shares_.sums[label];
+      const bool may_split = count_[label] >= kFewestCells && sum.n >= smallest_ &&
+                             (count_[label] <= kManyCells || fitPlane(sum).chi2 > kLargeMisfit * sum.n);
       begin_.push_back(begin_.back() + (may_split ? count_[label] : 0));
     }
     next_ = begin_;
@@ -132,6 +136,7 @@ class LabelSplitter {
     if (std::min(split.low.sum.n, split.high.sum.n) < smallest_side_) return false;
     split.low.fit = fitPlane(split.low.sum);
     split.high.fit = fitPlane(split.high.sum);
+    if (count > kManyCells && split.low.fit.normal().dot(split.high.fit.normal()) < kLargeParallel) return false;
     return isExplained(split.low, split.high, fit) && isBeyondTolerance(split.low, split.high, fit);
   }
 

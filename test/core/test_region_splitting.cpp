@@ -16,12 +16,13 @@ const NoiseModel kNoise(SensorModel{0.01, 0.01, 10.0, 0.0}, 1.0);
 
 // All that is measured as one label.
 struct Scene {
-  BeamGrid grid = forwardBeams(40, 60, 0.005);
+  BeamGrid grid;
   LabelImage truth, labels;
   PatchGrid cells;
   CellShares shares;
 
-  explicit Scene(const std::vector<Surface>& surfaces) {
+  explicit Scene(const std::vector<Surface>& surfaces, double step = 0.005)
+      : grid(forwardBeams(static_cast<int>(0.2 / step), static_cast<int>(0.3 / step), step)) {
     truth = scan(surfaces, grid);
     addNoise(grid, 0.01);
     labels = truth;
@@ -123,6 +124,19 @@ TEST(SplitLabels, SplitsAlsoWhatOneCutExplainsLittleOf) {
   Scene scene(strips);
   scene.split();
   EXPECT_EQ(scene.count(), 5);
+}
+
+// Of as many cells as one wall has: a low step is found, and what bends is left to the test of curvature.
+TEST(SplitLabels, SplitsLargeLabelsAtLowStepsAlone) {
+  Scene step({surfaceOf({{-Eigen::Vector3d::UnitX(), -2.98}, kLeft}), kRest}, 0.0025);
+  EXPECT_GT(step.cells.patches.size(), 400U);
+  EXPECT_TRUE(step.split());
+  ASSERT_EQ(step.count(), 2);
+  EXPECT_GT(step.common(2, 1), 0.9 * countOf(step.truth, 2));
+  EXPECT_GT(step.common(1, 2), 0.9 * countOf(step.truth, 1));
+  EXPECT_FALSE(Scene({turned(0.3), kRest}, 0.0025).split());
+  EXPECT_FALSE(Scene({column(3.0, 0.0, 0.3)}, 0.0025).split());
+  EXPECT_FALSE(Scene({kWall}, 0.0025).split());
 }
 
 TEST(SplitLabels, LeavesSmallLabelsAlone) {
