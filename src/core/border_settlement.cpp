@@ -121,23 +121,33 @@ void nameRegions(const LabelPieces& before, std::size_t count, BorderMemory& mem
 }
 
 // Writes names, but what kept its label stays what it was: points of a region are not lost to what is none, and those of no
-// region do not come back with a region that has reached them.
-void writeNames(const LabelPieces& before, const std::vector<std::int32_t>& whole, const BorderMemory& memory,
-                LabelImage& labels, int threads) {
+// region do not come back with a region that has reached them. Lists their runs on the way.
+void writeNames(const LabelPieces& before, const std::vector<std::int32_t>& whole, BorderMemory& memory, LabelImage& labels,
+                int threads) {
   const std::vector<std::int32_t>&names = memory.names, &heir = memory.heir;
   const LabelRun* const runs = memory.runs.data();
-  const auto write = [&](std::int32_t piece, std::int32_t was, int begin, int end) {
-    std::int32_t name = names[piece];
+  const auto nameOf = [&](std::int32_t piece, std::int32_t was) {
+    const std::int32_t name = names[piece];
     if (memory.is_region[was] != 0) {
       const std::int32_t home = heir[before.names[was]];
-      if (name == 0) name = names[home] != 0 ? names[home] : home;
-    } else if (was != 0 && before.whole[was] == whole[piece]) {
-      name = 0;
+      return name != 0 ? name : names[home] != 0 ? names[home] : home;
     }
-    std::fill(labels.labels.begin() + begin, labels.labels.begin() + end, name);
+    return was != 0 && before.whole[was] == whole[piece] ? 0 : name;
   };
-  forEachRange(threads, static_cast<int>(memory.runs.size()),
-               [&](int begin, int end) { forEachStretch(before, runs + begin, runs + end, write); });
+  const int count = static_cast<int>(memory.runs.size()), parts = rangeCount(threads, count);
+  std::vector<std::vector<LabelRun>>& rest = memory.rest;  // the first part's go where all will be
+  if (rest.size() + 1 < static_cast<std::size_t>(parts)) rest.resize(static_cast<std::size_t>(parts - 1));
+  forEachPart(threads, parts, [&](int part) {
+    std::vector<LabelRun>& settled = part == 0 ? memory.settled : rest[part - 1];
+    settled.clear();
+    const auto write = [&](std::int32_t piece, std::int32_t was, int begin, int end) {
+      const std::int32_t name = nameOf(piece, was);
+      std::fill(labels.labels.begin() + begin, labels.labels.begin() + end, name);
+      if (name != 0) appendRun({name, begin, end}, settled);
+    };
+    forEachStretch(before, runs + partBegin(count, parts, part), runs + partBegin(count, parts, part + 1), write);
+  });
+  for (int part = 1; part < parts; ++part) appendRuns(rest[part - 1], memory.settled);
 }
 
 }  // namespace

@@ -96,8 +96,8 @@ class CreaseAligner {
 
 void alignCreases(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
                   const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, CreaseMemory& memory,
-                  LabelImage& labels, int threads) {
-  findCreaseMeetings(labels, planes.size(), smallest, memory.meetings, threads);
+                  const std::vector<LabelRun>& runs, LabelImage& labels, int threads) {
+  findCreaseMeetings(runs, labels.rows, labels.cols, planes.size(), smallest, memory.meetings);
   const std::vector<LabelPair>& pairs = memory.meetings.pairs;
   if (pairs.empty()) return;
   if (memory.changes.size() < pairs.size()) memory.changes.resize(pairs.size());

@@ -8,13 +8,13 @@ namespace ppc {
 namespace {
 
 // In scan order; counts the points of labels on the way.
-void listMeetings(const LabelImage& image, std::size_t labels, CreaseMeetings& out) {
+void listMeetings(int rows, int cols, std::size_t labels, CreaseMeetings& out) {
   const RowRuns& runs = out.runs;
   out.points.assign(labels, 0);
   out.meetings.clear();
   out.index.start(labels);
-  for (int r = 0; r < image.rows; ++r) {
-    const int row = r * image.cols;
+  for (int r = 0; r < rows; ++r) {
+    const int row = r * cols;
     for (const LabelRun* run = runs.begin(r); run != runs.end(r); ++run) {
       out.points[run->label] += run->end - run->begin;
       if (run == runs.begin(r) || run[-1].end != run->begin) continue;
@@ -62,9 +62,10 @@ void groupByPair(CreaseMeetings& out) {
 
 }  // namespace
 
-void findCreaseMeetings(const LabelImage& image, std::size_t labels, int smallest, CreaseMeetings& out, int threads) {
-  listRowRuns(image, out.rest, out.runs, threads);
-  listMeetings(image, labels, out);
+void findCreaseMeetings(const std::vector<LabelRun>& runs, int rows, int cols, std::size_t labels, int smallest,
+                        CreaseMeetings& out) {
+  cutAtRows(runs, rows, cols, out.runs);
+  listMeetings(rows, cols, labels, out);
   listPairs(smallest, out);
   groupByPair(out);
 }

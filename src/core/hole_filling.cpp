@@ -2,10 +2,11 @@
 #include "patch_plane_clustering/core/hole_filling.h"
 
 #include "patch_plane_clustering/core/beam_planes.h"
-#include "patch_plane_clustering/core/parallel.h"
+#include "patch_plane_clustering/core/lanes.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 namespace ppc {
@@ -14,99 +15,97 @@ namespace {
 constexpr double kMaxMean = 4.0;     // mean distance of a speck, in standard deviations of such a mean
 constexpr double kMaxScatter = 6.0;  // mean square of its distances, in variances of noise and tolerance
 
-// Lists the runs of pixels [begin, end), and counts those of each label.
-void listPart(const std::vector<std::int32_t>& labels, int begin, int end, std::size_t count, HoleMemory::Part& part) {
-  part.runs.clear();
-  part.points.assign(count, 0);
-  for (int at = begin, run_end = 0; at < end; at = run_end) {
-    run_end = runEnd(labels.data(), at, end);
-    part.runs.push_back({labels[at], at, run_end});
-    part.points[labels[at]] += run_end - at;
-  }
-}
-
 class HoleFiller {
  public:
   HoleFiller(const BeamGrid& grid, const BeamPlanes& planes, const CoplanarityTolerance& tolerance, int smallest,
-             HoleMemory& memory, LabelImage& labels)
+             HoleMemory& memory, LabelImage& labels, const std::vector<LabelRun>& runs)
       : grid_(grid),
         planes_(planes),
         tolerance_(tolerance),
         smallest_(smallest),
         labels_(labels.labels),
-        parts_(memory.parts),
+        runs_(runs),
         loose_(memory.loose),
         seen_(memory.seen),
-        speck_(memory.speck) {}
-
-  void listRuns(int threads) {
-    const int parts = rangeCount(threads, grid_.size());
-    parts_.resize(static_cast<std::size_t>(parts));
-    seen_.resize(static_cast<std::size_t>(grid_.size()));
-    forEachPart(threads, parts, [&](int k) {
-      const int begin = partBegin(grid_.size(), parts, k), end = partBegin(grid_.size(), parts, k + 1);
-      listPart(labels_, begin, end, planes_.size(), parts_[k]);
-      std::fill(seen_.begin() + begin, seen_.begin() + end, 0);
-    });
-    loose_.resize(planes_.size());
+        specks_(memory.specks) {
+    seen_.resize(static_cast<std::size_t>(grid.size()), 0);
+    specks_.clear();
+    memory.points.assign(planes.size(), 0);
+    for (const LabelRun& run : runs) memory.points[run.label] += run.end - run.begin;
+    loose_.resize(planes.size());
     for (std::size_t label = 0; label < loose_.size(); ++label) {
-      int points = 0;
-      for (const HoleMemory::Part& part : parts_) points += part.points[label];
-      loose_[label] = label == 0 || points < smallest_ ? 1 : 0;
+      loose_[label] = label == 0 || memory.points[label] < smallest ? 1 : 0;
     }
   }
 
-  // Runs are those before anything was filled: what has been since was seen.
-  void fillAll() {
-    for (const HoleMemory::Part& part : parts_) {
-      for (const LabelRun& run : part.runs) {
-        if (loose_[run.label] == 0) continue;
-        for (int i = run.begin; i < run.end; ++i) {
-          if (seen_[i] == 0 && grid_.valid(i)) fillFrom(i);
-        }
+  // Runs are those before anything was filled: what has been since was seen. @return whether anything was.
+  bool fillAll() {
+    int end = 0;  // of the run before
+    for (const LabelRun& run : runs_) {
+      fillWithin(end, run.begin);
+      if (loose_[run.label] != 0) fillWithin(run.begin, run.end);
+      end = run.end;
+    }
+    fillWithin(end, grid_.size());
+    for (const HoleMemory::Pixel& pixel : specks_) seen_[pixel.index] = 0;
+    return any_filled_;
+  }
+
+ private:
+  void fillWithin(int begin, int end) {
+    const float* const ranges = grid_.range.data();
+    for (int i = begin; i < end; i += kLanes) {
+      const int count = std::min(kLanes, end - i);
+      const Lanes four = count == kLanes ? loadLanes<Lanes>(ranges + i) : loadLanes<Lanes>(ranges + i, count);
+      if (!anyLane(four > Lanes{})) continue;  // where nothing was measured
+      for (int k = i; k < i + count; ++k) {
+        if (seen_[k] == 0 && grid_.valid(k)) fillFrom(k);
       }
     }
   }
 
- private:
   void fillFrom(int first) {
+    const std::size_t begin = specks_.size();
     const std::int32_t around = collect(first);
-    if (around == 0 || static_cast<int>(speck_.size()) >= smallest_ || !belongs(around)) return;
-    for (const int i : speck_) labels_[i] = around;
+    if (around == 0 || static_cast<int>(specks_.size() - begin) >= smallest_ || !belongs(begin, around)) return;
+    for (std::size_t p = begin; p < specks_.size(); ++p) labels_[specks_[p].index] = around;
+    any_filled_ = true;
   }
 
   // Collects the speck at a pixel. @return the label of the only region that it touches; 0 if there is none or several.
   std::int32_t collect(int first) {
     std::int32_t around = 0;
     bool alone = true;
-    const auto visit = [&](int i) {
+    const auto visit = [&](int i, int col) {
       if (!grid_.valid(i)) return;
       if (loose_[labels_[i]] == 0) {
         alone = alone && (around == 0 || around == labels_[i]);
         around = labels_[i];
       } else if (seen_[i] == 0) {
         seen_[i] = 1;
-        speck_.push_back(i);
+        specks_.push_back({i, col});
       }
     };
-    speck_.assign(1, first);
+    const int cols = grid_.cols, above_last_row = grid_.size() - cols;
+    std::size_t next = specks_.size();
+    specks_.push_back({first, first % cols});
     seen_[first] = 1;
-    std::size_t next = 0;
-    while (next < speck_.size()) {
-      const int i = speck_[next++], row = i / grid_.cols, col = i % grid_.cols;
-      if (col > 0) visit(i - 1);
-      if (col + 1 < grid_.cols) visit(i + 1);
-      if (row > 0) visit(i - grid_.cols);
-      if (row + 1 < grid_.rows) visit(i + grid_.cols);
+    while (next < specks_.size()) {
+      const auto [i, col] = specks_[next++];
+      if (col > 0) visit(i - 1, col - 1);
+      if (col + 1 < cols) visit(i + 1, col + 1);
+      if (i >= cols) visit(i - cols, col);
+      if (i < above_last_row) visit(i + cols, col);
     }
     return alone ? around : 0;
   }
 
-  // Whether the speck lies on a plane as well as noise lets it.
-  bool belongs(std::int32_t label) const {
+  // Whether the speck from `begin` on lies on a plane as well as noise lets it.
+  bool belongs(std::size_t begin, std::int32_t label) const {
     const double a2 = planes_.of(label).squaredNorm();
     double sum = 0.0, squares = 0.0, variances = 0.0, allowed = 0.0;
-    for (const int i : speck_) {
+    for (std::size_t p = begin; p < specks_.size(); ++p) {
+      const int i = specks_[p].index;
       const BeamPlanes::Meeting met = planes_.meet(i, label);
       const BeamPlanes::Errors errors = planes_.errorsAt(i);
       const double distance = grid_.range[i] - met.across / met.along;
@@ -116,7 +115,7 @@ class HoleFiller {
       variances += errors.sigma * errors.sigma;
       allowed += tolerated;
     }
-    const auto n = static_cast<double>(speck_.size());
+    const auto n = static_cast<double>(specks_.size() - begin);
     const double deviation = std::sqrt(variances / n * std::min(1.0, tolerance_.inflationOf(n) / n) + allowed / n);
     return std::abs(sum / n) <= kMaxMean * deviation && squares / n <= kMaxScatter;  // not if the plane is seen edge-on
   }
@@ -126,27 +125,28 @@ class HoleFiller {
   const CoplanarityTolerance& tolerance_;
   int smallest_;
   std::vector<std::int32_t>& labels_;
-  std::vector<HoleMemory::Part>& parts_;
+  const std::vector<LabelRun>& runs_;
   std::vector<char>& loose_;
   std::vector<char>& seen_;
-  std::vector<int>& speck_;
+  std::vector<HoleMemory::Pixel>& specks_;
+  bool any_filled_ = false;
 };
 
 }  // namespace
 
 void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
                const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, HoleMemory& memory,
-               LabelImage& labels, int threads) {
+               LabelImage& labels, std::vector<LabelRun>& runs) {
   const BeamPlanes of_labels(grid, planes, center, noise, tolerance);
-  HoleFiller filler(grid, of_labels, tolerance, smallest, memory, labels);
-  filler.listRuns(threads);
-  filler.fillAll();
+  HoleFiller filler(grid, of_labels, tolerance, smallest, memory, labels, runs);
+  if (filler.fillAll()) listRuns(labels, runs);
 }
 
 void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
                const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, LabelImage& labels) {
   HoleMemory memory;
-  fillHoles(grid, planes, center, noise, tolerance, smallest, memory, labels);
+  std::vector<LabelRun> runs = labelRuns(labels);
+  fillHoles(grid, planes, center, noise, tolerance, smallest, memory, labels, runs);
 }
 
 }  // namespace ppc

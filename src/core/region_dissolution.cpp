@@ -21,13 +21,13 @@ constexpr float kFarthestOf2 = 9.0F;  // and at which it is not of a plane
 
 class Dissolver {
  public:
-  Dissolver(const BeamGrid& grid, const BeamPlanes& planes, int smallest, DissolutionMemory& memory, LabelImage& labels)
-      : grid_(grid), planes_(planes), smallest_(smallest), memory_(memory), labels_(labels) {}
+  Dissolver(const BeamGrid& grid, const BeamPlanes& planes, int smallest, DissolutionMemory& memory, LabelImage& labels,
+            std::vector<LabelRun>& runs)
+      : grid_(grid), planes_(planes), smallest_(smallest), memory_(memory), labels_(labels), runs_(runs) {}
 
   void dissolveAll() {
-    listRuns(labels_, memory_.runs);
     memory_.points.assign(planes_.size(), 0);
-    for (const LabelRun& run : memory_.runs) memory_.points[run.label] += run.end - run.begin;
+    for (const LabelRun& run : runs_) memory_.points[run.label] += run.end - run.begin;
     listThin();
     memory_.touches.assign(planes_.size(), 0);
     std::size_t explained = 0;  // by all that is around; but what is none itself is given nothing
@@ -43,6 +43,7 @@ class Dissolver {
       measure(thin.label, memory_.pixels.size());
       giveAway(thin.label);
     }
+    if (!memory_.thin.empty()) listRuns(labels_, runs_);
   }
 
  private:
@@ -92,12 +93,12 @@ class Dissolver {
       return isJudged(label) && inside[label] < kMostInside * memory_.points[label];
     };
     inside.assign(planes_.size(), 0);
-    for (const LabelRun& run : memory_.runs) {
+    for (const LabelRun& run : runs_) {
       if (isJudged(run.label)) inside[run.label] += countSurelyInside(run);
     }
     std::vector<LabelRun>& runs = memory_.thin_runs;
     runs.clear();
-    for (const LabelRun& run : memory_.runs) {
+    for (const LabelRun& run : runs_) {
       if (is_thin(run.label)) runs.push_back(run);
     }
     std::sort(runs.begin(), runs.end(), [](const LabelRun& a, const LabelRun& b) {
@@ -226,15 +227,16 @@ class Dissolver {
   int smallest_;
   DissolutionMemory& memory_;
   LabelImage& labels_;
+  std::vector<LabelRun>& runs_;
 };
 
 }  // namespace
 
 void dissolveRegions(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
                      const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, DissolutionMemory& memory,
-                     LabelImage& labels) {
+                     LabelImage& labels, std::vector<LabelRun>& runs) {
   const BeamPlanes of_labels(grid, planes, center, noise, tolerance);
-  Dissolver(grid, of_labels, smallest, memory, labels).dissolveAll();
+  Dissolver(grid, of_labels, smallest, memory, labels, runs).dissolveAll();
 }
 
 }  // namespace ppc

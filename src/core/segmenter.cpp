@@ -199,21 +199,24 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
     timer.lap("borders");
   } else {
     paintRuns(pieces.runs, pieces.names, labels);
+    listRuns(labels, borders.settled);
   }
+  std::vector<LabelRun>& runs = borders.settled;  // of the labels, from here on
   std::vector<Eigen::Vector3d>& piece_planes = memory.piece_planes;
   piece_planes.clear();
   for (const std::int32_t label : settle ? memory.settled : pieces.whole) piece_planes.push_back(planes[label]);
   if (config.dissolve_regions && config.noise_aware) {
-    dissolveRegions(grid, piece_planes, patches.center, noise, tolerance, smallest, memory.dissolution, labels);
+    dissolveRegions(grid, piece_planes, patches.center, noise, tolerance, smallest, memory.dissolution, labels, runs);
     timer.lap("dissolution");
   }
   if (config.fill_holes) {
-    fillHoles(grid, piece_planes, patches.center, noise, tolerance, smallest, memory.holes, labels, config.threads);
+    fillHoles(grid, piece_planes, patches.center, noise, tolerance, smallest, memory.holes, labels, runs);
     timer.lap("holes");
   }
   if (config.refine && config.align_creases) {
     // The plane of the smallest regions is not known well enough to tell where it meets another one.
-    alignCreases(grid, piece_planes, patches.center, noise, tolerance, 2 * smallest, memory.creases, labels, config.threads);
+    alignCreases(grid, piece_planes, patches.center, noise, tolerance, 2 * smallest, memory.creases, runs, labels,
+                 config.threads);
     timer.lap("creases");
   }
 }

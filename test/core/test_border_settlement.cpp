@@ -60,6 +60,7 @@ struct Corner {
     std::vector<std::int32_t> of_pieces;
     settleBorders(grid, cells, shareCells(grid, cells, kNoise, wholes), planes, kNoise, kTolerance, pieces, kSmallest, 0, 0,
                   memory, out, of_pieces);
+    expectRunsOf(out, memory.settled);
     if (whole != nullptr) *whole = of_pieces;
     return out;
   }

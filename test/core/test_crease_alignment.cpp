@@ -35,8 +35,10 @@ struct Scene {
   LabelImage aligned(LabelImage labels, int smallest = 3) const {
     CreaseMemory memory;
     LabelImage again = labels;
-    alignCreases(grid, planes, Eigen::Vector3d::Zero(), kNoise, kTolerance, smallest, memory, labels);
-    alignCreases(grid, planes, Eigen::Vector3d::Zero(), kNoise, kTolerance, smallest, memory, again, 2);  // memory as left
+    const std::vector<LabelRun> runs = labelRuns(labels);
+    alignCreases(grid, planes, Eigen::Vector3d::Zero(), kNoise, kTolerance, smallest, memory, runs, labels);
+    alignCreases(grid, planes, Eigen::Vector3d::Zero(), kNoise, kTolerance, smallest, memory, runs, again,
+                 2);  // memory as left
     EXPECT_EQ(again.labels, labels.labels);
     return labels;
   }

@@ -91,7 +91,7 @@ TEST(CreaseBand, HasThePixelsOnBothSidesOfAllMeetings) {
   for (int trial = 0; trial < 100; ++trial) {
     const LabelImage labels = randomImage(1 + trial % 20, 1 + trial % 43, random);
     const int smallest = trial % 3 == 0 ? 40 : 1, reach = 1 + trial % CreaseBand::kMaxReach;
-    findCreaseMeetings(labels, 4, smallest, meetings);
+    findCreaseMeetings(labelRuns(labels), labels.rows, labels.cols, 4, smallest, meetings);
     Pixels found;
     PixelSet set;
     set.resize(labels.rows * labels.cols);

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace ppc {
@@ -21,6 +22,7 @@ const CoplanarityTolerance kWhite{0.005, 0.005, 1.0};
 struct HoledWall {
   BeamGrid grid = forwardBeams(kRows, kCols, 0.005);
   LabelImage labels;
+  HoleMemory memory;
   std::vector<Eigen::Vector3d> planes{Eigen::Vector3d::Zero(), Eigen::Vector3d(1.0 / kDistance, 0.0, 0.0)};
 
   explicit HoledWall(double bump = 0.0, int rows = 8, int cols = 8) {
@@ -43,7 +45,10 @@ struct HoledWall {
   }
 
   int unlabelledAfter(const CoplanarityTolerance& tolerance = kWhite) {
-    fillHoles(grid, planes, Eigen::Vector3d::Zero(), kNoise, tolerance, kSmallest, labels);
+    std::vector<LabelRun> runs = labelRuns(labels);
+    fillHoles(grid, planes, Eigen::Vector3d::Zero(), kNoise, tolerance, kSmallest, memory, labels, runs);
+    expectRunsOf(labels, runs);
+    EXPECT_EQ(std::count(memory.seen.begin(), memory.seen.end(), 0), grid.size());
     return countOf(labels, 0);
   }
 };

@@ -47,7 +47,9 @@ struct Step {
   }
 
   int left(int smallest = kSmallest) {
-    dissolveRegions(grid, planes, Eigen::Vector3d::Zero(), kNoise, kTolerance, smallest, memory, labels);
+    std::vector<LabelRun> runs = labelRuns(labels);
+    dissolveRegions(grid, planes, Eigen::Vector3d::Zero(), kNoise, kTolerance, smallest, memory, labels, runs);
+    expectRunsOf(labels, runs);
     return countOf(labels, 3);
   }
 

@@ -34,15 +34,17 @@ struct BorderMemory {
 
   RefinementMemory contest;
   SplitMemory split;
-  std::vector<LabelRun> contested, runs;  ///< of the labels after the contest, and of the new pieces
-  std::vector<char> is_region;            ///< whether each piece before is, or is part of, a region that is large enough
-  std::vector<char> has_region;           ///< of each label
-  std::vector<Kept> kept;                 ///< by piece and piece before
-  std::vector<std::size_t> latest;        ///< of each new piece in `kept`, plus one
-  std::vector<std::int32_t> heir;         ///< of each piece before, the new one that shares most points with it
-  std::vector<std::int32_t> origin;       ///< of each new piece, the one before that shares most points with it
-  std::vector<int> points;                ///< of pieces
-  std::vector<std::int32_t> names;        ///< of the new pieces
+  std::vector<LabelRun> contested, runs;    ///< of the labels after the contest, and of the new pieces
+  std::vector<char> is_region;              ///< whether each piece before is, or is part of, a region that is large enough
+  std::vector<char> has_region;             ///< of each label
+  std::vector<Kept> kept;                   ///< by piece and piece before
+  std::vector<std::size_t> latest;          ///< of each new piece in `kept`, plus one
+  std::vector<std::int32_t> heir;           ///< of each piece before, the new one that shares most points with it
+  std::vector<std::int32_t> origin;         ///< of each new piece, the one before that shares most points with it
+  std::vector<int> points;                  ///< of pieces
+  std::vector<std::int32_t> names;          ///< of the new pieces
+  std::vector<LabelRun> settled;            ///< runs of the labels in the end
+  std::vector<std::vector<LabelRun>> rest;  ///< those of each part but the first one
 };
 
 /// @brief Settles the borders between regions by their planes as they are after the last merge.
@@ -55,7 +57,8 @@ struct BorderMemory {
 /// @param before the pieces, their names and labels. @param planes of the labels, see labelPlanes().
 /// @param smallest points of a region, at least. @param labels those of which `before` has the pieces; set to the new
 /// pieces, 0 where there is no region.
-/// @param whole set to the label that every new piece is part of; index = piece.
+/// @param whole set to the label that every new piece is part of; index = piece. @param memory left with the runs of the
+/// labels: `settled`.
 void settleBorders(const BeamGrid& grid, const PatchGrid& cells, const CellShares& shares,
                    const std::vector<Eigen::Vector3d>& planes, const NoiseModel& noise,
                    const CoplanarityTolerance& tolerance, const LabelPieces& before, int smallest, int gap_rows,
@@ -63,7 +66,7 @@ void settleBorders(const BeamGrid& grid, const PatchGrid& cells, const CellShare
                    int threads = 1);
 
 /// @brief What is left of it after the contest. @param count of labels.
-/// @param memory with the runs of the labels after the contest: `contested`.
+/// @param memory with the runs of the labels after the contest: `contested`. Left as by settleBorders().
 void settleContested(int cols, const LabelPieces& before, std::size_t count, int smallest, int gap_rows, int gap_cols,
                      BorderMemory& memory, LabelImage& labels, std::vector<std::int32_t>& whole, int threads);
 

@@ -44,9 +44,10 @@ struct CreaseMemory {
 /// those do not agree (at a step, a picture on a wall, an edge in front of something else) the border is left as it is.
 /// A point changes its label only if the planes are within noise of each other along its beam, and it of the other one.
 /// @param planes a (see moments.h) of every label. @param center origin of the planes [m].
-/// @param smallest points that a region has at least; others take no part.
+/// @param smallest points that a region has at least; others take no part. @param runs of the labels as they come, see
+/// listRuns().
 void alignCreases(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
                   const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, CreaseMemory& memory,
-                  LabelImage& labels, int threads = 1);
+                  const std::vector<LabelRun>& runs, LabelImage& labels, int threads = 1);
 
 }  // namespace ppc

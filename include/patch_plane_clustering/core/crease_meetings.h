@@ -34,12 +34,12 @@ struct CreaseMeetings {
   std::vector<Meeting> meetings;  ///< scratch: in scan order
   std::vector<int> next;          ///< scratch: of each pair, by index
   RowRuns runs;                   ///< scratch
-  std::vector<RowRuns> rest;      ///< scratch: those of each part of the rows but the first one
   LabelPairIndex index;           ///< scratch
 };
 
-/// @brief Lists where labels of at least `smallest` points meet. @param labels one more than the highest label.
-/// @param out overwritten.
-void findCreaseMeetings(const LabelImage& image, std::size_t labels, int smallest, CreaseMeetings& out, int threads = 1);
+/// @brief Lists where labels of at least `smallest` points meet. @param runs of an image of `rows` by `cols` pixels, see
+/// listRuns(). @param labels one more than the highest label. @param out overwritten.
+void findCreaseMeetings(const std::vector<LabelRun>& runs, int rows, int cols, std::size_t labels, int smallest,
+                        CreaseMeetings& out);
 
 }  // namespace ppc

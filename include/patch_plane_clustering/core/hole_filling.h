@@ -13,14 +13,13 @@ namespace ppc {
 
 /// @brief Working memory of fillHoles(), which one image after the other may use.
 struct HoleMemory {
-  struct Part {
-    std::vector<LabelRun> runs;  ///< of pixels, those without a label too
-    std::vector<int> points;     ///< of each label
+  struct Pixel {
+    int index, col;
   };
-  std::vector<Part> parts;  ///< of the image
-  std::vector<char> loose;  ///< labels, and none, that are not those of a region
-  std::vector<char> seen;   ///< pixels
-  std::vector<int> speck;
+  std::vector<int> points;    ///< of each label
+  std::vector<char> loose;    ///< labels, and none, that are not those of a region
+  std::vector<char> seen;     ///< pixels of the specks that have been looked at; none between two images
+  std::vector<Pixel> specks;  ///< their pixels, speck by speck
 };
 
 /// @brief Gives points inside of a region to it which as a whole lie on its plane as well as noise lets them.
@@ -29,12 +28,12 @@ struct HoleMemory {
 /// region. A speck (pixels without a label, or of regions too small) that touches one region only is filled if its mean
 /// distance from the plane is within the error of such a mean and the tolerance, and its points scatter no more than noise.
 /// @param planes a (see moments.h) of every label. @param center origin of the planes [m]. @param smallest points that a
-/// region has at least.
+/// region has at least. @param runs of the labels, see listRuns(); likewise brought up to date.
 void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
                const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, HoleMemory& memory,
-               LabelImage& labels, int threads = 1);
+               LabelImage& labels, std::vector<LabelRun>& runs);
 
-/// @brief The same without memory.
+/// @brief The same without memory and runs.
 void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
                const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, LabelImage& labels);
 

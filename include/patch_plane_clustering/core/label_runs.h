@@ -150,6 +150,13 @@ inline void appendRun(const LabelRun& run, std::vector<LabelRun>& runs) {
   }
 }
 
+/// Appends runs that lie behind those that are there.
+inline void appendRuns(const std::vector<LabelRun>& more, std::vector<LabelRun>& runs) {
+  if (more.empty()) return;
+  appendRun(more.front(), runs);
+  runs.insert(runs.end(), more.begin() + 1, more.end());
+}
+
 /// Gives runs the names of their labels, all above 0, and joins those that come to follow one another.
 inline void renameRuns(const std::vector<std::int32_t>& names, std::vector<LabelRun>& runs) {
   std::size_t kept = 0;

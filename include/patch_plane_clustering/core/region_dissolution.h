@@ -20,7 +20,6 @@ struct DissolutionMemory {
     std::int32_t label;
     std::size_t begin, end;
   };
-  std::vector<LabelRun> runs;        ///< of the image
   std::vector<int> points;           ///< of each label
   std::vector<int> inside;           ///< of each label that is small enough: points that touch no other one
   std::vector<LabelRun> thin_runs;   ///< those of regions that may be thin, region by region
@@ -45,9 +44,10 @@ struct DissolutionMemory {
 /// that is 3 standard deviations off. Of two that explain only each other, neither is dissolved. Thread-safe with memory of
 /// one's own.
 /// @param planes a (see moments.h) of every label. @param center origin of the planes [m]. @param smallest points that a
-/// region has at least: what is smaller is neither judged nor given any.
+/// region has at least: what is smaller is neither judged nor given any. @param runs of the labels, see listRuns(); likewise
+/// brought up to date.
 void dissolveRegions(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
                      const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, DissolutionMemory& memory,
-                     LabelImage& labels);
+                     LabelImage& labels, std::vector<LabelRun>& runs);
 
 }  // namespace ppc
