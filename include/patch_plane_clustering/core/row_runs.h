@@ -2,7 +2,6 @@
 #pragma once
 
 #include "patch_plane_clustering/core/label_runs.h"
-#include "patch_plane_clustering/core/parallel.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -20,40 +19,8 @@ struct RowRuns {
   const LabelRun* end(int row) const { return begin(row + 1); }
 };
 
-/// @brief Runs of labels above 0 in an image's rows [first, last). @param out overwritten: as of an image of these.
-inline void listRowRuns(const LabelImage& labels, int first, int last, RowRuns& out) {
-  out.runs.clear();
-  out.row_begin.clear();
-  for (int r = first; r < last; ++r) {
-    out.row_begin.push_back(static_cast<int>(out.runs.size()));
-    const std::int32_t* const row = labels.labels.data() + static_cast<std::size_t>(r) * labels.cols;
-    for (int begin = 0, end = 0; begin < labels.cols; begin = end) {
-      end = runEnd(row, begin, labels.cols);
-      if (row[begin] > 0) out.runs.push_back({row[begin], begin, end});
-    }
-  }
-  out.row_begin.push_back(static_cast<int>(out.runs.size()));
-}
-
-/// @brief The same of the whole image. @param rest scratch.
-inline void listRowRuns(const LabelImage& labels, std::vector<RowRuns>& rest, RowRuns& out, int threads) {
-  const int parts = rangeCount(threads, labels.rows);
-  if (rest.size() + 1 < static_cast<std::size_t>(parts)) rest.resize(static_cast<std::size_t>(parts - 1));
-  forEachPart(threads, parts, [&](int part) {
-    listRowRuns(labels, partBegin(labels.rows, parts, part), partBegin(labels.rows, parts, part + 1),
-                part == 0 ? out : rest[part - 1]);
-  });
-  for (int part = 1; part < parts; ++part) {
-    const RowRuns& next = rest[part - 1];
-    const int offset = static_cast<int>(out.runs.size());
-    out.row_begin.pop_back();
-    for (const int begin : next.row_begin) out.row_begin.push_back(begin + offset);
-    out.runs.insert(out.runs.end(), next.runs.begin(), next.runs.end());
-  }
-}
-inline void listRowRuns(const LabelImage& labels, RowRuns& out) { listRowRuns(labels, 0, labels.rows, out); }
-
-/// @brief The same from runs that may go on over the ends of rows (listRuns()). @param rows,cols of the image.
+/// @brief Cuts runs that may go on over the ends of rows (listRuns()). @param rows,cols of the image. @param out
+/// overwritten.
 inline void cutAtRows(const std::vector<LabelRun>& of_image, int rows, int cols, RowRuns& out) {
   out.runs.clear();
   out.row_begin.assign(1, 0);
