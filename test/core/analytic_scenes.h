@@ -3,19 +3,16 @@
 #pragma once
 
 #include "patch_plane_clustering/core/beam_grid.h"
-#include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/plane.h"
 #include "patch_plane_clustering/core/range_image.h"
 #include "patch_plane_clustering/core/segmentation.h"
 
-#include <gtest/gtest.h>
 #include <Eigen/Geometry>
 #include <cmath>
 #include <cstdint>
 #include <functional>
 #include <limits>
 #include <random>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -146,15 +143,6 @@ inline int countOf(const LabelImage& labels, std::int32_t label) {
   int count = 0;
   for (const std::int32_t l : labels.labels) count += l == label ? 1 : 0;
   return count;
-}
-
-/// Expects runs to be those of an image.
-inline void expectRunsOf(const LabelImage& labels, const std::vector<LabelRun>& runs) {
-  const std::vector<LabelRun> all = labelRuns(labels);
-  ASSERT_EQ(runs.size(), all.size());
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    EXPECT_EQ(std::tie(runs[k].label, runs[k].begin, runs[k].end), std::tie(all[k].label, all[k].begin, all[k].end));
-  }
 }
 
 }  // namespace ppc::testing_tools

@@ -4,6 +4,7 @@
 #include "analytic_scenes.h"
 #include "patch_plane_clustering/core/clustering.h"
 #include "patch_plane_clustering/core/connected_pieces.h"
+#include "run_checks.h"
 
 #include <gtest/gtest.h>
 

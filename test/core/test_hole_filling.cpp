@@ -2,6 +2,7 @@
 #include "patch_plane_clustering/core/hole_filling.h"
 
 #include "analytic_scenes.h"
+#include "run_checks.h"
 
 #include <gtest/gtest.h>
 

@@ -2,6 +2,7 @@
 #include "patch_plane_clustering/core/region_dissolution.h"
 
 #include "analytic_scenes.h"
+#include "run_checks.h"
 
 #include <gtest/gtest.h>
 
