@@ -13,9 +13,10 @@ namespace ppc {
 namespace {
 
 constexpr int kFewestCells = 12, kManyCells = 300;
-// Of labels of many cells: chi-square of a point, on average, above which they are looked at, and the least cosine between
-// both sides, as nothing but a low step is swallowed by so much; what bends stays whole.
-constexpr double kLargeMisfit = 1.03, kLargeParallel = 0.998;
+// Of labels of many cells, as nothing but a low step is swallowed by so much, and what bends stays whole: chi-square of a
+// point, on average, above which they are looked at, gain of a cut over that of a quadratic surface, and the least cosine
+// between both sides.
+constexpr double kLargeMisfit = 1.03, kLargeGain = 1.4, kLargeParallel = 0.998;
 constexpr double kSignificance = 30.0;  // of a cut, over one plane and one quadratic surface: far beyond chi-square
 constexpr double kMinMisfit = 0.5;      // of both sides on one plane
 constexpr double kNoise = 3.3;          // standard deviations of chi-square that noise alone may leave
@@ -80,8 +81,9 @@ class LabelSplitter {
     begin_.assign(1, 0);
     for (std::size_t label = 0; label < count_.size(); ++label) {
       const Moments& sum = shares_.sums[label];
-      const bool may_split = count_[label] >= kFewestCells && sum.n >= smallest_ &&
-                             (count_[label] <= kManyCells || fitPlane(sum).chi2 > kLargeMisfit * sum.n);
+      const bool may_split =
+          count_[label] >= kFewestCells && sum.n >= smallest_ &&
+          (count_[label] <= kManyCells || (tolerance_.isWhite() && fitPlane(sum).chi2 > kLargeMisfit * sum.n));
       begin_.push_back(begin_.back() + (may_split ? count_[label] : 0));
     }
     next_ = begin_;
@@ -127,7 +129,10 @@ class LabelSplitter {
     }
     const SurfaceCut cut = bestCut(surface, smallest_side_);
     const double significant = kSignificance * tolerance_.inflationOf(smallest_side_);
-    if (!(cut.gain >= significant) || !(cut.gain >= bowGain(surface) + significant)) return false;
+    if (!(cut.gain >= significant)) return false;
+    const double bow = bowGain(surface);
+    const bool large = count > kManyCells;
+    if (!(cut.gain >= bow + significant) || (large && !(cut.gain >= kLargeGain * bow))) return false;
     split = {cut, {}, {}};
     for (int i = part.begin; i < part.end; ++i) {
       (isBeyond(cut, places_[i], aspect) ? split.high : split.low).sum += momentsOf(places_[i]);
@@ -136,7 +141,7 @@ class LabelSplitter {
     if (std::min(split.low.sum.n, split.high.sum.n) < smallest_side_) return false;
     split.low.fit = fitPlane(split.low.sum);
     split.high.fit = fitPlane(split.high.sum);
-    if (count > kManyCells && split.low.fit.normal().dot(split.high.fit.normal()) < kLargeParallel) return false;
+    if (large && split.low.fit.normal().dot(split.high.fit.normal()) < kLargeParallel) return false;
     return isExplained(split.low, split.high, fit) && isBeyondTolerance(split.low, split.high, fit);
   }
 

@@ -137,6 +137,7 @@ TEST(SplitLabels, SplitsLargeLabelsAtLowStepsAlone) {
   EXPECT_FALSE(Scene({turned(0.3), kRest}, 0.0025).split());
   EXPECT_FALSE(Scene({column(3.0, 0.0, 0.3)}, 0.0025).split());
   EXPECT_FALSE(Scene({kWall}, 0.0025).split());
+  EXPECT_FALSE(Scene({surfaceOf({{-Eigen::Vector3d::UnitX(), -2.98}, kLeft}), kRest}, 0.0025).split(4.0));
 }
 
 TEST(SplitLabels, LeavesSmallLabelsAlone) {
