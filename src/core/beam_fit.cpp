@@ -296,7 +296,7 @@ std::optional<BeamStep> stepOf(const BeamSums& s, double scale) {
   if (solver.info() != Eigen::Success || !solver.isPositive() || !(solver.rcond() >= kMinCondition)) return std::nullopt;
   BeamStep step;
   step.x = scale * solver.solve(right);
-  step.gain = (2.0 - scale) * right.dot(step.x);
+  step.gain = gainOf(s, step.x);
   step.covariance = solver.solve(Eigen::Matrix3d::Identity());
   if (!step.x.allFinite() || !step.covariance.allFinite()) return std::nullopt;
   return step;

@@ -142,11 +142,4 @@ void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes,
   if (filler.fillAll()) listRuns(labels, runs);
 }
 
-void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
-               const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, LabelImage& labels) {
-  HoleMemory memory;
-  std::vector<LabelRun> runs = labelRuns(labels);
-  fillHoles(grid, planes, center, noise, tolerance, smallest, memory, labels, runs);
-}
-
 }  // namespace ppc

@@ -46,12 +46,7 @@ int clearUnmeasured(const BeamGrid& grid, RenumberingMemory& memory, LabelImage&
     memory.valid[part] = clearUnmeasured(grid, partBegin(grid.size(), parts, part), partBegin(grid.size(), parts, part + 1),
                                          labels, part == 0 ? runs : rest[part - 1]);
   });
-  for (int part = 1; part < parts; ++part) {
-    const std::vector<LabelRun>& next = rest[part - 1];
-    if (next.empty()) continue;
-    appendRun(next.front(), runs);  // may go on over the seam
-    runs.insert(runs.end(), next.begin() + 1, next.end());
-  }
+  for (int part = 1; part < parts; ++part) appendRuns(rest[part - 1], runs);
   return std::accumulate(memory.valid.begin(), memory.valid.end(), 0);
 }
 

@@ -74,7 +74,7 @@ class LabelSplitter {
   }
 
  private:
-  // Lists the shares of labels that are neither too small nor too large, label by label.
+  // Lists the shares of labels that may be split, label by label.
   void listPlaces() {
     count_.assign(shares_.sums.size(), 0);
     for (const std::int32_t label : shares_.labels) ++count_[label];

@@ -151,17 +151,16 @@ class RegionFitter {
       if (last) stages_[id] = Stage::kAcross;
       return;
     }
-    const Plane plane = movedBy(*step, start.frame, start.origin);
-    const double incidence = incidenceOver(start, plane, sums);
-    if (!plane.normal.allFinite() || !std::isfinite(plane.d) || !(incidence > 0.0)) {
+    const std::optional<MovedPlane> moved = planeAfter(*step, start, sums);
+    if (!moved) {
       stages_[id] = Stage::kAcross;
       return;
     }
-    if ((step->gain > kFarStep * sums.whh || std::abs(incidence - 1.0) > kFarTurn) && !last) {
-      start.frame = BeamFrame(plane, start.frame.centre());
+    if ((step->gain > kFarStep * sums.whh || std::abs(moved->incidence - 1.0) > kFarTurn) && !last) {
+      start.frame = BeamFrame(moved->plane, start.frame.centre());
       return;
     }
-    describe(id, sums, sums, *step, scale, plane);
+    describe(id, sums, sums, *step, scale, *moved);
     stages_[id] = Stage::kDone;
     if (sums.valid <= kFringePoints && start.scale.limit < kNoLimit) {
       leaveOutFringe(id, sums, scale, std::sqrt(scale * varianceOf(sums, step->gain)), fringe);
@@ -179,17 +178,25 @@ class RegionFitter {
     if (rest.kept < sums.kept / 2) return;
     const std::optional<BeamStep> step = stepOf(rest, scale);
     if (!step) return;
-    const Plane plane = movedBy(*step, start.frame, start.origin);
-    if (!plane.normal.allFinite() || !std::isfinite(plane.d) || !(incidenceOver(start, plane, sums) > 0.0)) return;
+    const std::optional<MovedPlane> moved = planeAfter(*step, start, sums);
+    if (!moved) return;
     const PlanarRegion before = regions_[id];
-    describe(id, sums, rest, *step, scale, plane);
+    describe(id, sums, rest, *step, scale, *moved);
     if (regions_[id].rms > kWorseRms * before.rms) regions_[id] = before;  // the region, not what is beside it, was left out
   }
 
-  // How much less obliquely the beams meet a plane than that of the start.
-  static double incidenceOver(const BeamStart& start, const Plane& plane, const BeamSums& sums) {
+  struct MovedPlane {
+    Plane plane;
+    double incidence;  // how much less obliquely the beams meet it than the plane of the start
+  };
+
+  // The plane after a step; none if the beams do not meet it from the side they met the start's.
+  static std::optional<MovedPlane> planeAfter(const BeamStep& step, const BeamStart& start, const BeamSums& sums) {
+    const Plane plane = movedBy(step, start.frame, start.origin);
     const Eigen::Vector3d beam = start.frame.meanOf(sums) - start.origin;
-    return plane.normal.dot(beam) / start.frame.plane().normal.dot(beam);
+    const double incidence = plane.normal.dot(beam) / start.frame.plane().normal.dot(beam);
+    if (!plane.normal.allFinite() || !std::isfinite(plane.d) || !(incidence > 0.0)) return std::nullopt;
+    return MovedPlane{plane, incidence};
   }
 
   static double varianceOf(const BeamSums& sums, double gain) {
@@ -198,17 +205,16 @@ class RegionFitter {
 
   // @param all sums of all points. @param telling of those that the step was found from.
   void describe(std::size_t id, const BeamSums& all, const BeamSums& telling, const BeamStep& step, double scale,
-                const Plane& plane) {
+                const MovedPlane& moved) {
     const BeamStart& start = starts_[id];
     PlanarRegion& region = regions_[id];
-    region.plane = plane;
+    region.plane = moved.plane;
     region.centroid = start.frame.meanOf(all);
     region.points = all.valid;
     // The step brings all points nearer, at the kept ones' mean incidence, and changes that.
     const double squares = all.hh - gainOf(all, step.x) * all.kept / all.w;
-    region.rms = incidenceOver(start, plane, all) * std::sqrt(std::max(0.0, squares) / all.valid);
-    region.covariance =
-        planeCovariance(step, start.frame, plane, scale * scale * varianceOf(telling, gainOf(telling, step.x)));
+    region.rms = moved.incidence * std::sqrt(std::max(0.0, squares) / all.valid);
+    region.covariance = planeCovariance(step, start.frame, moved.plane, scale * scale * varianceOf(telling, step.gain));
   }
 
   // The first point of a region; the frame's origin if it has none.

@@ -201,7 +201,7 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
     paintRuns(pieces.runs, pieces.names, labels);
     listRuns(labels, borders.settled);
   }
-  std::vector<LabelRun>& runs = borders.settled;  // of the labels, from here on
+  std::vector<LabelRun>& runs = borders.settled;  // of the labels, until creases are aligned
   std::vector<Eigen::Vector3d>& piece_planes = memory.piece_planes;
   piece_planes.clear();
   for (const std::int32_t label : settle ? memory.settled : pieces.whole) piece_planes.push_back(planes[label]);

@@ -62,6 +62,11 @@ struct Corner {
     settleBorders(grid, cells, shareCells(grid, cells, kNoise, wholes), planes, kNoise, kTolerance, pieces, kSmallest, 0, 0,
                   memory, out, of_pieces);
     expectRunsOf(out, memory.settled);
+    LabelImage of_three = wholes;
+    settleBorders(grid, cells, shareCells(grid, cells, kNoise, wholes), planes, kNoise, kTolerance, pieces, kSmallest, 0, 0,
+                  memory, of_three, of_pieces, 3);
+    EXPECT_EQ(of_three.labels, out.labels);
+    expectRunsOf(out, memory.settled);
     if (whole != nullptr) *whole = of_pieces;
     return out;
   }

@@ -37,8 +37,8 @@ struct Scene {
     LabelImage again = labels;
     const std::vector<LabelRun> runs = labelRuns(labels);
     alignCreases(grid, planes, Eigen::Vector3d::Zero(), kNoise, kTolerance, smallest, memory, runs, labels);
-    alignCreases(grid, planes, Eigen::Vector3d::Zero(), kNoise, kTolerance, smallest, memory, runs, again,
-                 2);  // memory as left
+    // With memory as left.
+    alignCreases(grid, planes, Eigen::Vector3d::Zero(), kNoise, kTolerance, smallest, memory, runs, again, 2);
     EXPECT_EQ(again.labels, labels.labels);
     return labels;
   }

@@ -33,8 +33,4 @@ void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes,
                const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, HoleMemory& memory,
                LabelImage& labels, std::vector<LabelRun>& runs);
 
-/// @brief The same without memory and runs.
-void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
-               const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, LabelImage& labels);
-
 }  // namespace ppc

@@ -150,7 +150,7 @@ inline void appendRun(const LabelRun& run, std::vector<LabelRun>& runs) {
   }
 }
 
-/// Appends runs that lie behind those that are there.
+/// Appends runs that lie behind those that are there, of which the last one may go on over the seam.
 inline void appendRuns(const std::vector<LabelRun>& more, std::vector<LabelRun>& runs) {
   if (more.empty()) return;
   appendRun(more.front(), runs);

@@ -3,6 +3,8 @@
 
 #include "patch_plane_clustering/core/beam_fit.h"
 #include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/label_runs.h"
+#include "patch_plane_clustering/core/row_runs.h"
 
 #include <array>
 #include <vector>
@@ -11,13 +13,11 @@ namespace ppc {
 
 /// @brief Working memory of offFringe(), which one region after the other may use.
 struct FringeMemory {
-  struct Run {
-    int row, begin, end;  ///< columns
-  };
-  std::vector<Run> runs;                   ///< of the region, in scan order
+  std::vector<LabelRun> runs;              ///< of the region
+  RowRuns rows;                            ///< the same, cut at rows
   std::array<std::vector<int>, 4> fringe;  ///< pixels whose neighbour above, below, before, after is not of the region
-  std::vector<int> off;
-  std::vector<PixelStretch> stretches;
+  std::vector<int> off;                    ///< pixels of parts that are off
+  std::vector<PixelStretch> stretches;     ///< the same, neighbours joined
 };
 
 /// @brief Finds those parts of a region's fringe that lie off its plane to one side.

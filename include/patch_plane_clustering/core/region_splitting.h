@@ -45,8 +45,9 @@ struct LabelSplitMemory {
 /// curvature; if their misfit is beyond the tolerance; and if they leave little to explain. Where errors are correlated,
 /// that is what noise may leave; where they are not, there may be more planes, and up to three times what the cut explains
 /// may be left. Sides are split again. Labels of more than 300 cells are looked at only where errors are not correlated and
-/// their chi-square is more than 3 % above what noise leaves, and split only into sides that are parallel and explain 1.4
-/// times as much as a quadratic surface: a low step is all that so much swallows, and walls bow.
+/// their chi-square is more than 3 % above what noise leaves. A label, or a side, of so many cells is split only into sides
+/// that are parallel and explain 1.4 times as much as a quadratic surface: a low step is all that so much swallows, and
+/// walls bow.
 /// @param cells with weighed moments. @param smallest points of a label; a side has a quarter at least.
 /// @param shares of `labels`. Both are brought up to date: new labels follow the last of shares.sums.
 /// @return whether any was split.
