@@ -9,6 +9,8 @@
 namespace ppc {
 namespace {
 
+constexpr double kMostTaken = 0.4;  // points of a region taken from what bends, over those that it has kept
+
 using Kept = BorderMemory::Kept;
 
 // Calls f(label, was, begin, end) for every stretch of pixels of one run and of one piece before, or none (0).
@@ -34,14 +36,19 @@ void forEachStretch(const LabelPieces& before, const std::vector<LabelRun>& runs
   forEachStretch(before, runs.data(), runs.data() + runs.size(), f);
 }
 
-// What the new pieces have kept, by piece and piece before.
+// What the new pieces have kept, by piece and piece before, and what they have taken from pieces that bend.
 void countKept(const LabelPieces& before, const std::vector<std::int32_t>& whole, BorderMemory& memory) {
   std::vector<Kept>& kept = memory.kept;
   std::vector<std::size_t>& latest = memory.latest;  // most stretches add to it
   kept.clear();
   latest.assign(whole.size(), 0);
+  memory.taken.assign(whole.size(), 0);
   forEachStretch(before, memory.runs, [&](std::int32_t piece, std::int32_t was, int begin, int end) {
-    if (was == 0 || before.whole[was] != whole[piece]) return;
+    if (was == 0) return;
+    if (before.whole[was] != whole[piece]) {
+      if (before.names[was] == 0) memory.taken[piece] += end - begin;
+      return;
+    }
     if (latest[piece] == 0 || kept[latest[piece] - 1].before != was) {
       kept.push_back({piece, was, 0});
       latest[piece] = kept.size();
@@ -110,8 +117,12 @@ void nameRegions(const LabelPieces& before, std::size_t count, BorderMemory& mem
   balance.assign(count, 0);
   for (const Kept& k : memory.kept) balance[k.piece] += memory.is_region[k.before] != 0 ? k.points : -k.points;
   names.assign(count, 0);
+  memory.bends.assign(count, 0);
   for (std::size_t piece = 1; piece < count; ++piece) {
-    if (balance[piece] > 0) names[piece] = static_cast<std::int32_t>(piece);
+    if (balance[piece] <= 0) continue;
+    const bool bends = memory.taken[piece] > kMostTaken * balance[piece];
+    memory.bends[piece] = bends ? 1 : 0;
+    names[piece] = bends ? 0 : static_cast<std::int32_t>(piece);
   }
   for (std::size_t piece = 1; piece < count; ++piece) {
     if (names[piece] == 0) continue;
@@ -120,17 +131,18 @@ void nameRegions(const LabelPieces& before, std::size_t count, BorderMemory& mem
   }
 }
 
-// Writes names, but what kept its label stays what it was: points of a region are not lost to what is none, and those of no
-// region do not come back with a region that has reached them. Lists their runs on the way.
+// Writes names, but what kept its label stays what it was, unless its piece bends: points of a region are not lost to what
+// is none, and those of no region do not come back with a region that has reached them. Lists their runs on the way.
 void writeNames(const LabelPieces& before, const std::vector<std::int32_t>& whole, BorderMemory& memory, LabelImage& labels,
                 int threads) {
   const std::vector<std::int32_t>&names = memory.names, &heir = memory.heir;
   const LabelRun* const runs = memory.runs.data();
   const auto nameOf = [&](std::int32_t piece, std::int32_t was) {
+    if (memory.bends[piece] != 0) return std::int32_t{0};
     const std::int32_t name = names[piece];
     if (memory.is_region[was] != 0) {
       const std::int32_t home = heir[before.names[was]];
-      return name != 0 ? name : names[home] != 0 ? names[home] : home;
+      return name != 0 ? name : names[home] != 0 ? names[home] : memory.bends[home] != 0 ? 0 : home;
     }
     return was != 0 && before.whole[was] == whole[piece] ? 0 : name;
   };

@@ -103,6 +103,17 @@ TEST(SettleBorders, WhatWasNoRegionKeepsItsPoints) {
   EXPECT_EQ(out.labels[corner.grid.index(30, 37)], out.labels[corner.grid.index(30, 70)]);
 }
 
+TEST(SettleBorders, WhatGrowsFromWhatBendsIsNoRegionEither) {
+  for (const int width : {8, 30}) {
+    Corner corner;  // beside a strip of something curved, which its plane explains better
+    corner.start([&](int, int c) { return c < width ? 1 : 2; });
+    corner.pieces.names[corner.pieceAt(0, 79)] = 0;
+    const LabelImage out = corner.settle();
+    EXPECT_EQ(out.labels[corner.grid.index(30, 4)] != 0, width == 30);
+    EXPECT_EQ(countOf(out, 0) == corner.grid.size(), width == 8);
+  }
+}
+
 TEST(SettleBorders, AScrapDoesNotGrowIntoARegion) {
   Corner corner;
   const auto scrap = [](int r, int c) { return r >= 26 && r < 34 && c >= 40 && c < 46 ? 2 : 1; };  // 48 points

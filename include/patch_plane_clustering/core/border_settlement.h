@@ -39,10 +39,12 @@ struct BorderMemory {
   std::vector<char> has_region;             ///< of each label
   std::vector<Kept> kept;                   ///< by piece and piece before
   std::vector<std::size_t> latest;          ///< of each new piece in `kept`, plus one
+  std::vector<int> taken;                   ///< points that each new piece has of other labels' pieces that bend
   std::vector<std::int32_t> heir;           ///< of each piece before, the new one that shares most points with it
   std::vector<std::int32_t> origin;         ///< of each new piece, the one before that shares most points with it
   std::vector<int> points;                  ///< of pieces
   std::vector<std::int32_t> names;          ///< of the new pieces
+  std::vector<char> bends;                  ///< whether each new piece is one with what bends
   std::vector<LabelRun> settled;            ///< runs of the labels in the end
   std::vector<std::vector<LabelRun>> rest;  ///< those of each part but the first one
 };
@@ -53,7 +55,8 @@ struct BorderMemory {
 /// are no regions too, but only to defend their own points. What the result means is decided by what was known before:
 /// points that keep their label stay of a region or of none, and those that change it are of a region if most of the points
 /// that their new piece has kept are. So strips of a curved surface, which no longer bend once they end where their planes
-/// meet, do not come back, and no scrap grows into a region.
+/// meet, do not come back, and no scrap grows into a region. A piece that takes much of what bends, for 0.4 times the points
+/// that it has kept, is a strip of the same surface and no region either.
 /// @param before the pieces, their names and labels. @param planes of the labels, see labelPlanes().
 /// @param smallest points of a region, at least. @param labels those of which `before` has the pieces; set to the new
 /// pieces, 0 where there is no region.
