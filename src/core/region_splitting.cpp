@@ -13,10 +13,15 @@ namespace ppc {
 namespace {
 
 constexpr int kFewestCells = 12, kManyCells = 300;
-// Of labels of many cells, as nothing but a low step is swallowed by so much, and what bends stays whole: chi-square of a
-// point, on average, above which they are looked at, gain of a cut over that of a quadratic surface, and the least cosine
-// between both sides.
-constexpr double kLargeMisfit = 1.03, kLargeGain = 1.4, kLargeParallel = 0.998;
+constexpr double kMisfit = 3.0;      // standard deviations of what whole cells stand off a plane, that noise may leave
+constexpr double kParallel = 0.998;  // least cosine between sides that are parallel: the only ones of labels of many cells
+// Of divisions, gain over that of a quadratic surface: of parallel sides and of others, as strips of what bends more than
+// such a surface does are turned against each other.
+constexpr double kParallelGain = 1.3, kTurnedGain = 2.2;
+constexpr double kDivisionGain = 2.0;   // over that of a straight cut, where there is one that will do
+constexpr double kLeastMisfit = 0.98;   // chi-square of a point below which no division is looked for
+constexpr double kWinding = 8.0;        // border over the root of a side's cells: a square has 4, what follows lines more
+constexpr double kDivisionLeft = 0.3;   // beyond noise, over what a division explains: there may be a third plane
 constexpr double kSignificance = 30.0;  // of a cut, over one plane and one quadratic surface: far beyond chi-square
 constexpr double kMinMisfit = 0.5;      // of both sides on one plane
 constexpr double kNoise = 3.3;          // standard deviations of chi-square that noise alone may leave
@@ -26,6 +31,7 @@ constexpr double kMinSide = 0.25;       // points of a side over those of a regi
 using Place = LabelSplitMemory::Place;
 using Part = LabelSplitMemory::Part;
 using Side = LabelSplitMemory::Side;
+using Work = LabelSplitMemory::Work;
 using Split = LabelSplitMemory::Split;
 using Surface = std::vector<SurfaceCell>;
 
@@ -47,8 +53,9 @@ class LabelSplitter {
         places_(memory.places),
         leaving_(memory.leaving),
         parts_(memory.parts),
-        surfaces_(memory.surfaces),
+        works_(memory.works),
         splits_(memory.splits),
+        side_split_(memory.side_split),
         found_(memory.found) {}
 
   void splitAll(int threads) {
@@ -60,13 +67,13 @@ class LabelSplitter {
     const std::size_t whole = parts_.size();
     splits_.resize(whole);
     found_.resize(whole);
-    forEachPart(threads, static_cast<int>(whole), surfaces_,
-                [&](int k, Surface& surface) { found_[k] = findSplit(parts_[k], surface, splits_[k]) ? 1 : 0; });
+    forEachPart(threads, static_cast<int>(whole), works_, [&](int k, Work& work) {
+      found_[k] = mayHaveStep(parts_[k]) && findSplit(parts_[k], work, splits_[k]) ? 1 : 0;
+    });
     for (std::size_t k = 0; k < parts_.size(); ++k) {
       const Part part = parts_[k];
-      Split split;
-      if (k < whole ? found_[k] == 0 : !findSplit(part, surfaces_[0], split)) continue;
-      if (k < whole) split = splits_[k];
+      Split& split = k < whole ? splits_[k] : side_split_;
+      if (k < whole ? found_[k] == 0 : !findSplit(part, works_[0], split)) continue;
       const int middle = splitAt(split, part);
       parts_.push_back({part.label, part.begin, middle});
       parts_.push_back({static_cast<std::int32_t>(shares_.sums.size()) - 1, middle, part.end});
@@ -82,8 +89,7 @@ class LabelSplitter {
     for (std::size_t label = 0; label < count_.size(); ++label) {
       const Moments& sum = shares_.sums[label];
       const bool may_split =
-          count_[label] >= kFewestCells && sum.n >= smallest_ &&
-          (count_[label] <= kManyCells || (tolerance_.isWhite() && fitPlane(sum).chi2 > kLargeMisfit * sum.n));
+          count_[label] >= kFewestCells && sum.n >= smallest_ && (count_[label] <= kManyCells || tolerance_.isWhite());
       begin_.push_back(begin_.back() + (may_split ? count_[label] : 0));
     }
     next_ = begin_;
@@ -110,12 +116,26 @@ class LabelSplitter {
     return static_cast<float>(cells_.strip_cols) / static_cast<float>(cells_.strip_rows[strip]);
   }
 
-  bool isBeyond(const SurfaceCut& cut, const Place& place, float aspect) const {
-    return cut.isBeyond(xOf(place), yOf(place, aspect));
+  // Chi-square of what a cell stands off a plane on average. @param misfit sum w e. @param weight sum w.
+  static double misfitOf(double misfit, double weight) { return weight > 0.0 ? misfit * misfit / weight : 0.0; }
+  // Whether that is more in all than noise leaves.
+  static bool isMisfit(double chi2, int cells) { return chi2 > cells + kMisfit * std::sqrt(2.0 * cells); }
+
+  // Whether a label of many cells may have a step; other ones are looked at anyway.
+  bool mayHaveStep(const Part& part) const {
+    const int count = part.end - part.begin;
+    if (count <= kManyCells) return true;
+    const Eigen::Vector3d a = fitPlane(shares_.sums[part.label]).a;
+    double chi2 = 0.0;
+    for (int i = part.begin; i < part.end; ++i) {
+      const Moments& m = momentsOf(places_[i]);
+      chi2 += misfitOf(m.w - a.dot(Eigen::Vector3d(m.x, m.y, m.z)), m.w);
+    }
+    return isMisfit(chi2, count);
   }
 
   // May be called for several parts at a time.
-  bool findSplit(const Part& part, Surface& surface, Split& split) const {
+  bool findSplit(const Part& part, Work& work, Split& split) const {
     const int count = part.end - part.begin;
     if (count < kFewestCells) return false;
     const Moments& all = shares_.sums[part.label];
@@ -123,33 +143,94 @@ class LabelSplitter {
     const PlaneFit fit = fitPlane(all);
     const float aspect = aspectOf(part);
     const SurfaceFrame frame(all, fit);
+    Surface& surface = work.surface;
     surface.clear();
     for (int i = part.begin; i < part.end; ++i) {
       surface.push_back({xOf(places_[i]), yOf(places_[i], aspect), frame.measure(momentsOf(places_[i]))});
     }
     const SurfaceCut cut = bestCut(surface, smallest_side_);
-    const double significant = kSignificance * tolerance_.inflationOf(smallest_side_);
-    if (!(cut.gain >= significant)) return false;
-    const double bow = bowGain(surface);
-    const bool large = count > kManyCells;
-    if (!(cut.gain >= bow + significant) || (large && !(cut.gain >= kLargeGain * bow))) return false;
-    split = {cut, {}, {}};
-    for (int i = part.begin; i < part.end; ++i) {
-      (isBeyond(cut, places_[i], aspect) ? split.high : split.low).sum += momentsOf(places_[i]);
-    }
-    // Rounding may put cells that lie on the cut on its other side.
-    if (std::min(split.low.sum.n, split.high.sum.n) < smallest_side_) return false;
-    split.low.fit = fitPlane(split.low.sum);
-    split.high.fit = fitPlane(split.high.sum);
-    if (large && split.low.fit.normal().dot(split.high.fit.normal()) < kLargeParallel) return false;
-    return isExplained(split.low, split.high, fit) && isBeyondTolerance(split.low, split.high, fit);
+    const bool is_cut = isSplitByCut(part, cut, fit, surface, work.cut);
+    const bool is_divided = isSplitByDivision(part, cut, fit, work, split);
+    if (is_cut && !(is_divided && work.division.score() > kDivisionGain * cut.gain)) std::swap(split, work.cut);
+    return is_cut || is_divided;
   }
 
-  // Whether two planes leave no more than noise, or not much more than what they explain.
-  bool isExplained(const Side& low, const Side& high, const PlaneFit& whole) const {
-    const double two = low.fit.chi2 + high.fit.chi2, n = low.sum.n + high.sum.n;
-    const double left = two - (n - 6.0), noise = kNoise * std::sqrt(2.0 * n * tolerance_.inflationOf(n));
-    return left < noise || (tolerance_.isWhite() && left < kMostLeft * (whole.chi2 - two));
+  double significance() const { return kSignificance * tolerance_.inflationOf(smallest_side_); }
+
+  bool isSplitByCut(const Part& part, const SurfaceCut& cut, const PlaneFit& fit, const Surface& surface,
+                    Split& split) const {
+    if (part.end - part.begin > kManyCells || !(cut.gain >= significance())) return false;
+    if (!(cut.gain >= bowGain(surface) + significance())) return false;
+    split.beyond.clear();
+    for (const SurfaceCell& cell : surface) split.beyond.push_back(cut.isBeyond(cell.x, cell.y) ? 1 : 0);
+    return fitSides(part, split) && leftOver(split) < mostLeft(split, fit) && isBeyondTolerance(split.low, split.high, fit);
+  }
+
+  // Where errors are correlated, noise winds as well.
+  bool isSplitByDivision(const Part& part, const SurfaceCut& cut, const PlaneFit& fit, Work& work, Split& split) const {
+    const int count = part.end - part.begin;
+    if (!tolerance_.isWhite() || fit.chi2 < kLeastMisfit * shares_.sums[part.label].n) return false;
+    double chi2 = 0.0;
+    for (const SurfaceCell& cell : work.surface) chi2 += misfitOf(cell.sums.misfits[0], cell.sums.places[1]);
+    if (!isMisfit(chi2, count)) return false;
+    linkCells(part, work);
+    SurfaceDivision& division = work.division;
+    divideSurface(work.surface, work.links, cut, smallest_side_, work.dividing, division);
+    if (division.beyond.empty() || !(division.score() >= significance())) return false;
+    const double bow = bowGain(work.surface);
+    if (!(division.score() >= bow + significance())) return false;
+    const auto beyond = std::count(division.beyond.begin(), division.beyond.end(), 1);
+    if (division.border > kWinding * std::sqrt(static_cast<double>(std::min(beyond, count - beyond)))) return false;
+    split.beyond = division.beyond;
+    if (!fitSides(part, split)) return false;
+    const bool parallel = areParallel(split);
+    if (!(division.score() >= (parallel ? kParallelGain : kTurnedGain) * bow) || (count > kManyCells && !parallel)) {
+      return false;
+    }
+    return leftOver(split) < std::max(noiseOf(split), kDivisionLeft * division.gain) &&
+           isBeyondTolerance(split.low, split.high, fit);
+  }
+
+  // Which cells of a part share an edge.
+  void linkCells(const Part& part, Work& work) const {
+    work.index.resize(cells_.patches.size(), -1);
+    for (int i = part.begin; i < part.end; ++i) work.index[places_[i].cell] = i - part.begin;
+    work.links.begin.assign(1, 0);
+    work.links.cells.clear();
+    for (int i = part.begin; i < part.end; ++i) {
+      cells_.forEachNeighbour(places_[i].cell, [&](int j) {
+        if (work.index[j] >= 0) work.links.cells.push_back(work.index[j]);
+      });
+      work.links.begin.push_back(static_cast<int>(work.links.cells.size()));
+    }
+    for (int i = part.begin; i < part.end; ++i) work.index[places_[i].cell] = -1;
+  }
+
+  // Whether both sides have enough points.
+  bool fitSides(const Part& part, Split& split) const {
+    split.low = split.high = Side();
+    for (int i = part.begin; i < part.end; ++i) {
+      (split.beyond[i - part.begin] != 0 ? split.high : split.low).sum += momentsOf(places_[i]);
+    }
+    split.low.fit = fitPlane(split.low.sum);
+    split.high.fit = fitPlane(split.high.sum);
+    return std::min(split.low.sum.n, split.high.sum.n) >= smallest_side_;
+  }
+
+  static bool areParallel(const Split& split) { return split.low.fit.normal().dot(split.high.fit.normal()) >= kParallel; }
+
+  // Chi-square that two planes leave, beyond what there would be on average, and what noise may leave.
+  static double leftOver(const Split& split) {
+    return split.low.fit.chi2 + split.high.fit.chi2 - (split.low.sum.n + split.high.sum.n - 6.0);
+  }
+  double noiseOf(const Split& split) const {
+    const double n = split.low.sum.n + split.high.sum.n;
+    return kNoise * std::sqrt(2.0 * n * tolerance_.inflationOf(n));
+  }
+  // By a straight cut: no more than noise, or not much more than what they explain.
+  double mostLeft(const Split& split, const PlaneFit& whole) const {
+    const double explained = whole.chi2 - split.low.fit.chi2 - split.high.fit.chi2;
+    return std::max(noiseOf(split), tolerance_.isWhite() ? kMostLeft * explained : 0.0);
   }
 
   bool isBeyondTolerance(const Side& low, const Side& high, const PlaneFit& whole) const {
@@ -163,13 +244,12 @@ class LabelSplitter {
   // Gives the side of fewer points a new label. @return the first of its places.
   int splitAt(const Split& split, const Part& part) {
     const Moments &low = split.low.sum, &high = split.high.sum;
-    const bool beyond = high.n < low.n;  // is what leaves
-    const float aspect = aspectOf(part);
+    const char leaves = high.n < low.n ? 1 : 0;
     leaving_.clear();
     auto middle = places_.begin() + part.begin;
     for (int i = part.begin; i < part.end; ++i) {
       const Place place = places_[i];
-      if (isBeyond(split.cut, place, aspect) == beyond) {
+      if (split.beyond[i - part.begin] == leaves) {
         leaving_.push_back(place);
       } else {
         *middle++ = place;
@@ -177,8 +257,8 @@ class LabelSplitter {
     }
     std::copy(leaving_.begin(), leaving_.end(), middle);
     const auto fresh = static_cast<std::int32_t>(shares_.sums.size());
-    shares_.sums[part.label] = beyond ? low : high;
-    shares_.sums.push_back(beyond ? high : low);
+    shares_.sums[part.label] = leaves != 0 ? low : high;
+    shares_.sums.push_back(leaves != 0 ? high : low);
     for (auto place = middle; place != places_.begin() + part.end; ++place) rename(*place, part.label, fresh);
     return static_cast<int>(middle - places_.begin());
   }
@@ -204,8 +284,9 @@ class LabelSplitter {
   std::vector<int>&count_, &begin_, &next_;
   std::vector<Place>&places_, &leaving_;
   std::vector<Part>& parts_;
-  std::vector<Surface>& surfaces_;
+  std::vector<Work>& works_;
   std::vector<Split>& splits_;
+  Split& side_split_;
   std::vector<char>& found_;
 };
 

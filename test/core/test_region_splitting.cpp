@@ -115,7 +115,7 @@ TEST(SplitLabels, SplitsSidesAgainButNotWhereErrorsAreCorrelated) {
   EXPECT_EQ(correlated.count(), 1);
 }
 
-TEST(SplitLabels, SplitsAlsoWhatOneCutExplainsLittleOf) {
+TEST(SplitLabels, GivesStripsOfTwoPlanesTwoLabels) {
   std::vector<Surface> strips;
   for (int k = 0; k < 5; ++k) {
     const auto inside = [k](const Eigen::Vector3d& p) { return std::floor((p.y() / p.x() + 0.15) / 0.06) == k; };
@@ -123,7 +123,10 @@ TEST(SplitLabels, SplitsAlsoWhatOneCutExplainsLittleOf) {
   }
   Scene scene(strips);
   scene.split();
-  EXPECT_EQ(scene.count(), 5);
+  ASSERT_EQ(scene.count(), 2);
+  for (int k = 1; k <= 5; ++k) {
+    EXPECT_EQ(scene.common(k, scene.labels.labels[scene.grid.index(20, 12 * (5 - k) + 6)]), countOf(scene.truth, k));
+  }
 }
 
 // Of as many cells as one wall has: a low step is found, and what bends is left to the test of curvature.
@@ -138,6 +141,35 @@ TEST(SplitLabels, SplitsLargeLabelsAtLowStepsAlone) {
   EXPECT_FALSE(Scene({column(3.0, 0.0, 0.3)}, 0.0025).split());
   EXPECT_FALSE(Scene({kWall}, 0.0025).split());
   EXPECT_FALSE(Scene({surfaceOf({{-Eigen::Vector3d::UnitX(), -2.98}, kLeft}), kRest}, 0.0025).split(4.0));
+}
+
+// No straight cut divides it from its wall.
+TEST(SplitLabels, FindsADoorInAWall) {
+  const auto isDoor = [](const Eigen::Vector3d& p) { return std::abs(p.y() + 0.1) < 0.12 && p.z() < 0.12; };
+  const auto doorAt = [&](double x) { return surfaceOf({{-Eigen::Vector3d::UnitX(), -x}, isDoor}); };
+  const Surface around =
+      surfaceOf({{-Eigen::Vector3d::UnitX(), -3.0}, [&](const Eigen::Vector3d& p) { return !isDoor(p); }});
+  for (const double depth : {0.02, -0.02}) {
+    Scene scene({doorAt(3.0 + depth), around}, 0.0025), shared = scene, correlated = scene;
+    EXPECT_TRUE(scene.split());
+    ASSERT_GE(scene.count(), 2);
+    ASSERT_LE(scene.count(), 3);  // cells on the border may have their own
+    const bool swapped = scene.common(1, 2) < scene.common(1, 1);
+    EXPECT_GT(scene.common(1, swapped ? 1 : 2), 0.85 * countOf(scene.truth, 1));
+    EXPECT_GT(scene.common(2, swapped ? 2 : 1), 0.95 * countOf(scene.truth, 2));
+    shared.split(1.0, 350, 2);
+    EXPECT_EQ(shared.labels.labels, scene.labels.labels);
+    EXPECT_FALSE(correlated.split(4.0));
+  }
+}
+
+TEST(SplitLabels, LeavesAWallWhoseLinesAreOffWhole) {
+  std::vector<Surface> lines;
+  for (int k = -6; k < 6; ++k) {
+    const auto inside = [k](const Eigen::Vector3d& p) { return std::floor(p.z() / p.x() / 0.02) == k; };
+    lines.push_back(surfaceOf({{-Eigen::Vector3d::UnitX(), -3.0 - 0.01 * ((k * k + 12) % 3)}, inside}));
+  }
+  EXPECT_FALSE(Scene(lines, 0.0025).split());
 }
 
 TEST(SplitLabels, LeavesSmallLabelsAlone) {

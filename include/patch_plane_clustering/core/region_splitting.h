@@ -7,6 +7,7 @@
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/similarity.h"
 #include "patch_plane_clustering/core/surface_cut.h"
+#include "patch_plane_clustering/core/surface_division.h"
 
 #include <cstdint>
 #include <vector>
@@ -30,24 +31,36 @@ struct LabelSplitMemory {
     PlaneFit fit;
   };
   struct Split {
-    SurfaceCut cut;
+    std::vector<char> beyond;  ///< for every place of the part, whether it is on the high side
     Side low, high;
   };
-  std::vector<std::vector<SurfaceCell>> surfaces;  ///< of a part; one a thread
-  std::vector<Split> splits;                       ///< of the parts that are labels
-  std::vector<char> found;                         ///< for each of these: whether there is one
+  struct Work {  ///< of one thread
+    std::vector<SurfaceCell> surface;
+    Split cut;
+    SurfaceLinks links;
+    DivisionMemory dividing;
+    SurfaceDivision division;
+    std::vector<int> index;  ///< of each cell of the grid among those of a part, -1 if it has none
+  };
+  std::vector<Work> works;
+  std::vector<Split> splits;  ///< of the parts that are labels
+  Split side_split;           ///< of one that is a side
+  std::vector<char> found;    ///< for each label: whether there is one
 };
 
 /// @brief Splits labels that have swallowed a piece of another plane, as a face may its small neighbour that nothing else
-/// competes for: along the straight cut after which a plane on each side explains most.
+/// competes for: along the straight cut after which a plane on each side explains most, or by a division of the cells
+/// between two planes (divideSurface()): a door in a wall, an L of two faces of a box.
 ///
 /// A label is split if two planes explain it far better than one, and than one quadratic surface: that is for the test of
 /// curvature; if their misfit is beyond the tolerance; and if they leave little to explain. Where errors are correlated,
-/// that is what noise may leave; where they are not, there may be more planes, and up to three times what the cut explains
-/// may be left. Sides are split again. Labels of more than 300 cells are looked at only where errors are not correlated and
-/// their chi-square is more than 3 % above what noise leaves. A label, or a side, of so many cells is split only into sides
-/// that are parallel and explain 1.4 times as much as a quadratic surface: a low step is all that so much swallows, and
-/// walls bow.
+/// that is what noise may leave after a straight cut. Where they are not, there may be more planes, and up to three times
+/// what the cut explains may be left.
+/// Divisions, which could follow noise, are taken where there is no such cut or they explain twice as much; are for errors
+/// that are not correlated; must explain more (1.3 times as much as a quadratic surface, 2.2 if their sides are not
+/// parallel) and leave less (0.3 times what they explain); and their border must not wind, as it does along lines that are
+/// off. They alone split labels of more than 300 cells, whose misfits over whole cells tell whether they are looked at, and
+/// only into parallel sides: a low step is all that so much swallows, and walls bow. Sides are split again.
 /// @param cells with weighed moments. @param smallest points of a label; a side has a quarter at least.
 /// @param shares of `labels`. Both are brought up to date: new labels follow the last of shares.sums.
 /// @return whether any was split.

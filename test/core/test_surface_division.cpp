@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/surface_division.h"
+
+#include "patch_plane_clustering/core/clustering.h"
+#include "patch_plane_clustering/core/patch_grid.h"
+
+#include "analytic_scenes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace ppc {
+namespace {
+
+using namespace testing_tools;
+
+const NoiseModel kNoise(SensorModel{0.01, 0.01, 10.0, 0.0}, 1.0);
+
+// All cells of an image as those of one region, in rows of `cols`.
+struct Region {
+  BeamGrid grid = forwardBeams(80, 120, 0.0025);
+  LabelImage truth;
+  PatchGrid cells;
+  Moments all;
+  std::vector<SurfaceCell> surface;
+  SurfaceLinks links;
+
+  explicit Region(const std::vector<Surface>& surfaces) {
+    truth = scan(surfaces, grid);
+    addNoise(grid, 0.01);
+    cells = makePatchGrid(grid, 4, true);
+    weighPatches(kNoise, cells);
+    for (const Patch& cell : cells.patches) all += cell.moments;
+    const SurfaceFrame frame(all, fitPlane(all));
+    links.begin.push_back(0);
+    for (const Patch& cell : cells.patches) {
+      const int index = static_cast<int>(surface.size());
+      surface.push_back(
+          {static_cast<float>(cell.col_begin), static_cast<float>(cell.row_begin), frame.measure(cell.moments)});
+      cells.forEachNeighbour(index, [&](int j) { links.cells.push_back(j); });
+      links.begin.push_back(static_cast<int>(links.cells.size()));
+    }
+  }
+
+  SurfaceDivision divide() const {
+    DivisionMemory memory;
+    SurfaceDivision first, again;
+    divideSurface(surface, links, bestCut(surface, 100), 100, memory, first);
+    divideSurface(surface, links, bestCut(surface, 100), 100, memory, again);  // with memory as left
+    EXPECT_EQ(first.beyond, again.beyond);
+    EXPECT_EQ(first.gain, again.gain);
+    return first;
+  }
+
+  // Of the true label in the middle of cell k.
+  std::int32_t trueLabel(std::size_t k) const {
+    const Patch& cell = cells.patches[k];
+    return truth.labels[grid.index((cell.row_begin + cell.row_end) / 2, (cell.col_begin + cell.col_end) / 2)];
+  }
+};
+
+const auto kDoor = [](const Eigen::Vector3d& p) { return std::abs(p.y() + 0.1) < 0.12 && p.z() < 0.12; };
+Region doorBehind(double depth) {
+  return Region({surfaceOf({{-Eigen::Vector3d::UnitX(), -3.0 - depth}, kDoor}),
+                 surfaceOf({{-Eigen::Vector3d::UnitX(), -3.0}, [](const Eigen::Vector3d& p) { return !kDoor(p); }})});
+}
+
+TEST(DivideSurface, FindsWhatNoCutParts) {
+  for (const double depth : {0.015, -0.015}) {
+    const Region region = doorBehind(depth);
+    const SurfaceDivision division = region.divide();
+    ASSERT_EQ(division.beyond.size(), region.surface.size());
+    int wrong = 0;
+    for (std::size_t k = 0; k < region.surface.size(); ++k) {
+      wrong += (division.beyond[k] != 0) == (region.trueLabel(k) == 1) ? 1 : 0;
+    }
+    const int cells = static_cast<int>(region.surface.size());
+    EXPECT_LT(std::min(wrong, cells - wrong), 0.05 * cells);
+    EXPECT_GT(division.gain, 1.5 * bestCut(region.surface, 100).gain);
+  }
+}
+
+TEST(DivideSurface, GainsWhatFitsOfBothSidesDoAndCountsItsBorder) {
+  const Region region = doorBehind(0.02);
+  const SurfaceDivision division = region.divide();
+  ASSERT_FALSE(division.beyond.empty());
+  Moments near, beyond;
+  for (std::size_t k = 0; k < region.surface.size(); ++k) {
+    (division.beyond[k] != 0 ? beyond : near) += region.cells.patches[k].moments;
+  }
+  const double gain = fitPlane(region.all).chi2 - fitPlane(near).chi2 - fitPlane(beyond).chi2;
+  EXPECT_NEAR(division.gain, gain, 2e-3 * gain);
+  int border = 0;
+  for (int k = 0; k < static_cast<int>(region.surface.size()); ++k) {
+    region.cells.forEachNeighbour(k, [&](int j) { border += k < j && division.beyond[j] != division.beyond[k] ? 1 : 0; });
+  }
+  EXPECT_EQ(division.border, border);
+  EXPECT_NEAR(division.score(), division.gain - 3.0 * border, 1e-9);
+}
+
+TEST(DivideSurface, OfAPlaneExplainsNoNoise) {
+  for (const double tilt : {0.0, 0.2, 0.5, 1.0}) {
+    const SurfaceDivision division = Region({wall({-1.0, tilt, 0.1}, -3.0)}).divide();
+    EXPECT_LT(division.beyond.empty() ? 0.0 : division.score(), 25.0);
+  }
+}
+
+TEST(DivideSurface, LeavesFewPointsOnNeitherSide) {
+  const Region region = doorBehind(0.02);
+  DivisionMemory memory;
+  SurfaceDivision division;
+  const int half = region.grid.size() / 2;
+  divideSurface(region.surface, region.links, bestCut(region.surface, half + 1), half + 1, memory, division);
+  EXPECT_TRUE(division.beyond.empty());
+  EXPECT_EQ(division.gain, 0.0);
+  divideSurface({}, {{0}, {}}, {}, 1.0, memory, division);
+  EXPECT_TRUE(division.beyond.empty());
+}
+
+}  // namespace
+}  // namespace ppc
