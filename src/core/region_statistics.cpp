@@ -175,7 +175,7 @@ class RegionFitter {
     if (off.empty()) return;
     BeamSums rest = sums;
     rest -= sumBeams(grid_, off.data(), off.data() + off.size(), start.frame, BeamWeights::kTrimmed, start.scale);
-    if (rest.kept < sums.kept / 2) return;
+    if (rest.kept < std::max(4, sums.kept / 2)) return;
     const std::optional<BeamStep> step = stepOf(rest, scale);
     if (!step) return;
     const std::optional<MovedPlane> moved = planeAfter(*step, start, sums);
