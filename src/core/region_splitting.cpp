@@ -15,6 +15,9 @@ namespace {
 constexpr int kFewestCells = 12, kManyCells = 300;
 constexpr double kMisfit = 3.0;      // standard deviations of what whole cells stand off a plane, that noise may leave
 constexpr double kParallel = 0.998;  // least cosine between sides that are parallel: the only ones of labels of many cells
+// Of straight cuts of such labels, chi-square of a point from which on they are looked for, and gain over that of a
+// quadratic surface.
+constexpr double kLargeMisfit = 1.03, kLargeGain = 1.4;
 // Of divisions, gain over that of a quadratic surface: of parallel sides and of others, as strips of what bends more than
 // such a surface does are turned against each other.
 constexpr double kParallelGain = 1.3, kTurnedGain = 2.2;
@@ -151,7 +154,8 @@ class LabelSplitter {
     const SurfaceCut cut = bestCut(surface, smallest_side_);
     const bool is_cut = isSplitByCut(part, cut, fit, surface, work.cut);
     const bool is_divided = isSplitByDivision(part, cut, fit, work, split);
-    if (is_cut && !(is_divided && work.division.score() > kDivisionGain * cut.gain)) std::swap(split, work.cut);
+    const double least = count > kManyCells ? cut.gain : kDivisionGain * cut.gain;
+    if (is_cut && !(is_divided && work.division.score() > least)) std::swap(split, work.cut);
     return is_cut || is_divided;
   }
 
@@ -159,11 +163,15 @@ class LabelSplitter {
 
   bool isSplitByCut(const Part& part, const SurfaceCut& cut, const PlaneFit& fit, const Surface& surface,
                     Split& split) const {
-    if (part.end - part.begin > kManyCells || !(cut.gain >= significance())) return false;
-    if (!(cut.gain >= bowGain(surface) + significance())) return false;
+    const bool large = part.end - part.begin > kManyCells;
+    if (large && !(fit.chi2 > kLargeMisfit * shares_.sums[part.label].n)) return false;
+    if (!(cut.gain >= significance())) return false;
+    const double bow = bowGain(surface);
+    if (!(cut.gain >= bow + significance()) || (large && !(cut.gain >= kLargeGain * bow))) return false;
     split.beyond.clear();
     for (const SurfaceCell& cell : surface) split.beyond.push_back(cut.isBeyond(cell.x, cell.y) ? 1 : 0);
-    return fitSides(part, split) && leftOver(split) < mostLeft(split, fit) && isBeyondTolerance(split.low, split.high, fit);
+    if (!fitSides(part, split) || (large && !areParallel(split))) return false;
+    return leftOver(split) < mostLeft(split, fit) && isBeyondTolerance(split.low, split.high, fit);
   }
 
   // Where errors are correlated, noise winds as well.
