@@ -68,7 +68,7 @@ class LabelSplitter {
       parts_.push_back({static_cast<std::int32_t>(label), begin_[label], begin_[label + 1]});
     }
     const std::size_t whole = parts_.size();
-    splits_.resize(whole);
+    if (splits_.size() < whole) splits_.resize(whole);  // what each has is kept
     found_.resize(whole);
     forEachPart(threads, static_cast<int>(whole), works_, [&](int k, Work& work) {
       found_[k] = mayHaveStep(parts_[k]) && findSplit(parts_[k], work, splits_[k]) ? 1 : 0;
@@ -155,7 +155,7 @@ class LabelSplitter {
     const bool is_cut = isSplitByCut(part, cut, fit, surface, work.cut);
     const bool is_divided = isSplitByDivision(part, cut, fit, work, split);
     const double least = count > kManyCells ? cut.gain : kDivisionGain * cut.gain;
-    if (is_cut && !(is_divided && work.division.score() > least)) std::swap(split, work.cut);
+    if (is_cut && !(is_divided && work.division.score() > least)) split = work.cut;
     return is_cut || is_divided;
   }
 

@@ -10,9 +10,9 @@ namespace ppc {
 namespace {
 
 constexpr int kRounds = 8;
-constexpr double kNeighbour = 3.0;  // chi-square by which a neighbour speaks for its side
-constexpr double kPatch = 15.0;     // that a patch must gain by lying apart
-constexpr float kLevel = 3.0F;      // of the misfits around a cell over the root of their weights: 1.9 standard deviations
+constexpr double kNeighbour = SurfaceDivision::kEdge;  // chi-square by which a neighbour speaks for its side
+constexpr double kPatch = 15.0;                        // that a patch must gain by lying apart
+constexpr float kLevel = 3.0F;  // of the misfits around a cell over the root of their weights: 1.9 standard deviations
 
 // A plane over the places of a region, as an offset from the region's own.
 struct SurfacePlane {

@@ -14,12 +14,14 @@ struct SurfaceLinks {
 
 /// @brief A region's cells divided between two planes.
 struct SurfaceDivision {
+  static constexpr double kEdge = 3.0;  ///< chi-square that an edge between both sides costs
+
   double gain = 0.0;         ///< chi-square of one plane less that of two
   int border = 0;            ///< edges between cells on both sides
   std::vector<char> beyond;  ///< for every cell, whether it lies on the second one; empty if there is no division
 
   /// What counts: a border that winds through noise explains noise.
-  double score() const { return gain - 3.0 * border; }
+  double score() const { return gain - kEdge * border; }
 };
 
 /// @brief Working memory of divideSurface(), which one region after the other may use.
