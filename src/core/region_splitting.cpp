@@ -2,7 +2,6 @@
 #include "patch_plane_clustering/core/region_splitting.h"
 
 #include "patch_plane_clustering/core/parallel.h"
-#include "patch_plane_clustering/core/whole_tolerance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +12,7 @@ namespace ppc {
 namespace {
 
 constexpr int kFewestCells = 12, kManyCells = 300;
-constexpr double kMisfit = 3.0;      // standard deviations of what whole cells stand off a plane, that noise may leave
-constexpr double kParallel = 0.998;  // least cosine between sides that are parallel: the only ones of labels of many cells
+constexpr double kMisfit = 3.0;  // standard deviations of what whole cells stand off a plane, that noise may leave
 // Of straight cuts of such labels, chi-square of a point from which on they are looked for, and gain over that of a
 // quadratic surface.
 constexpr double kLargeMisfit = 1.03, kLargeGain = 1.4;
@@ -26,16 +24,12 @@ constexpr double kLeastMisfit = 0.98;   // chi-square of a point below which no 
 constexpr double kWinding = 8.0;        // border over the root of a side's cells: a square has 4, what follows lines more
 constexpr double kDivisionLeft = 0.3;   // beyond noise, over what a division explains: there may be a third plane
 constexpr double kSignificance = 30.0;  // of a cut, over one plane and one quadratic surface: far beyond chi-square
-constexpr double kMinMisfit = 0.5;      // of both sides on one plane
-constexpr double kNoise = 3.3;          // standard deviations of chi-square that noise alone may leave
 constexpr double kMostLeft = 3.0;       // beyond noise, over what two planes explain, where there may be a third one
 constexpr double kMinSide = 0.25;       // points of a side over those of a region, as in the second pass
 
 using Place = LabelSplitMemory::Place;
 using Part = LabelSplitMemory::Part;
-using Side = LabelSplitMemory::Side;
 using Work = LabelSplitMemory::Work;
-using Split = LabelSplitMemory::Split;
 using Surface = std::vector<SurfaceCell>;
 
 class LabelSplitter {
@@ -75,7 +69,7 @@ class LabelSplitter {
     });
     for (std::size_t k = 0; k < parts_.size(); ++k) {
       const Part part = parts_[k];
-      Split& split = k < whole ? splits_[k] : side_split_;
+      LabelSplit& split = k < whole ? splits_[k] : side_split_;
       if (k < whole ? found_[k] == 0 : !findSplit(part, works_[0], split)) continue;
       const int middle = splitAt(split, part);
       parts_.push_back({part.label, part.begin, middle});
@@ -138,7 +132,7 @@ class LabelSplitter {
   }
 
   // May be called for several parts at a time.
-  bool findSplit(const Part& part, Work& work, Split& split) const {
+  bool findSplit(const Part& part, Work& work, LabelSplit& split) const {
     const int count = part.end - part.begin;
     if (count < kFewestCells) return false;
     const Moments& all = shares_.sums[part.label];
@@ -162,7 +156,7 @@ class LabelSplitter {
   double significance() const { return kSignificance * tolerance_.inflationOf(smallest_side_); }
 
   bool isSplitByCut(const Part& part, const SurfaceCut& cut, const PlaneFit& fit, const Surface& surface,
-                    Split& split) const {
+                    LabelSplit& split) const {
     const bool large = part.end - part.begin > kManyCells;
     if (large && !(fit.chi2 > kLargeMisfit * shares_.sums[part.label].n)) return false;
     if (!(cut.gain >= significance())) return false;
@@ -170,12 +164,14 @@ class LabelSplitter {
     if (!(cut.gain >= bow + significance()) || (large && !(cut.gain >= kLargeGain * bow))) return false;
     split.beyond.clear();
     for (const SurfaceCell& cell : surface) split.beyond.push_back(cut.isBeyond(cell.x, cell.y) ? 1 : 0);
-    if (!fitSides(part, split) || (large && !areParallel(split))) return false;
-    return leftOver(split) < mostLeft(split, fit) && isBeyondTolerance(split.low, split.high, fit);
+    if (!fitSides(part, split) || (large && !split.areParallel())) return false;
+    // Two planes leave no more than noise, or not much more than what they explain.
+    const double most = tolerance_.isWhite() ? kMostLeft * split.explained(fit) : 0.0;
+    return split.leftOver() < std::max(split.noise(tolerance_), most) && split.isBeyond(tolerance_, noise_, fit);
   }
 
   // Where errors are correlated, noise winds as well.
-  bool isSplitByDivision(const Part& part, const SurfaceCut& cut, const PlaneFit& fit, Work& work, Split& split) const {
+  bool isSplitByDivision(const Part& part, const SurfaceCut& cut, const PlaneFit& fit, Work& work, LabelSplit& split) const {
     const int count = part.end - part.begin;
     if (!tolerance_.isWhite() || fit.chi2 < kLeastMisfit * shares_.sums[part.label].n) return false;
     double chi2 = 0.0;
@@ -191,12 +187,12 @@ class LabelSplitter {
     if (division.border > kWinding * std::sqrt(static_cast<double>(std::min(beyond, count - beyond)))) return false;
     split.beyond = division.beyond;
     if (!fitSides(part, split)) return false;
-    const bool parallel = areParallel(split);
+    const bool parallel = split.areParallel();
     if (!(division.score() >= (parallel ? kParallelGain : kTurnedGain) * bow) || (count > kManyCells && !parallel)) {
       return false;
     }
-    return leftOver(split) < std::max(noiseOf(split), kDivisionLeft * division.gain) &&
-           isBeyondTolerance(split.low, split.high, fit);
+    return split.leftOver() < std::max(split.noise(tolerance_), kDivisionLeft * division.gain) &&
+           split.isBeyond(tolerance_, noise_, fit);
   }
 
   // Which cells of a part share an edge.
@@ -215,42 +211,17 @@ class LabelSplitter {
   }
 
   // Whether both sides have enough points.
-  bool fitSides(const Part& part, Split& split) const {
-    split.low = split.high = Side();
+  bool fitSides(const Part& part, LabelSplit& split) const {
+    split.low = split.high = LabelSplit::Side();
     for (int i = part.begin; i < part.end; ++i) {
       (split.beyond[i - part.begin] != 0 ? split.high : split.low).sum += momentsOf(places_[i]);
     }
-    split.low.fit = fitPlane(split.low.sum);
-    split.high.fit = fitPlane(split.high.sum);
-    return std::min(split.low.sum.n, split.high.sum.n) >= smallest_side_;
-  }
-
-  static bool areParallel(const Split& split) { return split.low.fit.normal().dot(split.high.fit.normal()) >= kParallel; }
-
-  // Chi-square that two planes leave, beyond what there would be on average, and what noise may leave.
-  static double leftOver(const Split& split) {
-    return split.low.fit.chi2 + split.high.fit.chi2 - (split.low.sum.n + split.high.sum.n - 6.0);
-  }
-  double noiseOf(const Split& split) const {
-    const double n = split.low.sum.n + split.high.sum.n;
-    return kNoise * std::sqrt(2.0 * n * tolerance_.inflationOf(n));
-  }
-  // By a straight cut: no more than noise, or not much more than what they explain.
-  double mostLeft(const Split& split, const PlaneFit& whole) const {
-    const double explained = whole.chi2 - split.low.fit.chi2 - split.high.fit.chi2;
-    return std::max(noiseOf(split), tolerance_.isWhite() ? kMostLeft * explained : 0.0);
-  }
-
-  bool isBeyondTolerance(const Side& low, const Side& high, const PlaneFit& whole) const {
-    const Moments& small = low.sum.n < high.sum.n ? low.sum : high.sum;
-    const double range = small.mean().norm(), sigma = noise_.sigma(range);
-    return misfit(whole.chi2 - low.fit.chi2 - high.fit.chi2, small.n / (sigma * sigma),
-                  std::min(small.radius(), kMaxWholeRadius), leastSecantSquared(whole, low.fit, high.fit, range),
-                  wholeTolerance(tolerance_, sigma, small.n)) > kMinMisfit;
+    split.fit();
+    return split.smaller() >= smallest_side_;
   }
 
   // Gives the side of fewer points a new label. @return the first of its places.
-  int splitAt(const Split& split, const Part& part) {
+  int splitAt(const LabelSplit& split, const Part& part) {
     const Moments &low = split.low.sum, &high = split.high.sum;
     const char leaves = high.n < low.n ? 1 : 0;
     leaving_.clear();
@@ -293,8 +264,8 @@ class LabelSplitter {
   std::vector<Place>&places_, &leaving_;
   std::vector<Part>& parts_;
   std::vector<Work>& works_;
-  std::vector<Split>& splits_;
-  Split& side_split_;
+  std::vector<LabelSplit>& splits_;
+  LabelSplit& side_split_;
   std::vector<char>& found_;
 };
 

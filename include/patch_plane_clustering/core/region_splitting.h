@@ -2,6 +2,7 @@
 #pragma once
 
 #include "patch_plane_clustering/core/cell_shares.h"
+#include "patch_plane_clustering/core/label_split.h"
 #include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/patch_grid.h"
 #include "patch_plane_clustering/core/segmentation.h"
@@ -26,26 +27,18 @@ struct LabelSplitMemory {
   std::vector<int> count, begin, next;  ///< cells of each label; its first place, and one past the last; the next to fill
   std::vector<Place> places, leaving;   ///< label by label; those of the side that gets a new label
   std::vector<Part> parts;              ///< to be looked at
-  struct Side {
-    Moments sum;
-    PlaneFit fit;
-  };
-  struct Split {
-    std::vector<char> beyond;  ///< for every place of the part, whether it is on the high side
-    Side low, high;
-  };
-  struct Work {  ///< of one thread
+  struct Work {                         ///< of one thread
     std::vector<SurfaceCell> surface;
-    Split cut;
+    LabelSplit cut;
     SurfaceLinks links;
     DivisionMemory dividing;
     SurfaceDivision division;
     std::vector<int> index;  ///< of each cell of the grid among those of a part, -1 if it has none
   };
   std::vector<Work> works;
-  std::vector<Split> splits;  ///< of the parts that are labels
-  Split side_split;           ///< of one that is a side
-  std::vector<char> found;    ///< for each label: whether there is one
+  std::vector<LabelSplit> splits;  ///< of the parts that are labels
+  LabelSplit side_split;           ///< of one that is a side
+  std::vector<char> found;         ///< for each label: whether there is one
 };
 
 /// @brief Splits labels that have swallowed a piece of another plane, as a face may its small neighbour that nothing else
