@@ -9,7 +9,7 @@
 namespace ppc {
 namespace {
 
-constexpr double kMostTaken = 0.4;  // points of a region taken from what bends, over those that it has kept
+constexpr double kMostTaken = 0.4;  // points of a region taken from what bends, over those kept, less those kept of none
 
 using Kept = BorderMemory::Kept;
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kFewestCells = 12, kManyCells = 300;
 constexpr double kMisfit = 3.0;  // standard deviations of what whole cells stand off a plane, that noise may leave
-// Of straight cuts of such labels, chi-square of a point from which on they are looked for, and gain over that of a
+// Of straight cuts of labels of many cells, chi-square of a point from which on they are looked for, and gain over that of a
 // quadratic surface.
 constexpr double kLargeMisfit = 1.03, kLargeGain = 1.4;
 // Of divisions, gain over that of a quadratic surface: of parallel sides and of others, as strips of what bends more than

@@ -187,7 +187,7 @@ void divideSurface(const std::vector<SurfaceCell>& cells, const SurfaceLinks& li
     memory.misfits.push_back(cell.sums.misfits[0]);
     memory.weights.push_back(cell.sums.places[1]);
   }
-  for (std::vector<float>* of : {&memory.misfits, &memory.weights}) {  // twice, which reaches three cells about
+  for (std::vector<float>* of : {&memory.misfits, &memory.weights}) {  // twice, which reaches two cells about
     sumAround(links, *of, memory.sums);
     sumAround(links, memory.sums, *of);
   }
