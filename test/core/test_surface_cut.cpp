@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/surface_cut.h"
 
-#include "patch_plane_clustering/core/clustering.h"
-#include "patch_plane_clustering/core/patch_grid.h"
-
-#include "analytic_scenes.h"
+#include "surface_region.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/Dense>
@@ -14,27 +11,8 @@ namespace {
 
 using namespace testing_tools;
 
-const NoiseModel kNoise(SensorModel{0.01, 0.01, 10.0, 0.0}, 1.0);
-
-// All cells of an image as those of one region.
-struct Region {
-  BeamGrid grid = forwardBeams(40, 60, 0.005);
-  PatchGrid cells;
-  Moments all;
-  std::vector<SurfaceCell> surface;
-
-  explicit Region(const std::vector<Surface>& surfaces) {
-    scan(surfaces, grid);
-    addNoise(grid, 0.01);
-    cells = makePatchGrid(grid, 4, true);
-    weighPatches(kNoise, cells);
-    for (const Patch& cell : cells.patches) all += cell.moments;
-    const SurfaceFrame frame(all, fitPlane(all));
-    for (const Patch& cell : cells.patches) surface.push_back({xOf(cell), yOf(cell), frame.measure(cell.moments)});
-  }
-
-  static float xOf(const Patch& cell) { return static_cast<float>(cell.col_begin); }
-  static float yOf(const Patch& cell) { return static_cast<float>(cell.row_begin); }
+struct Region : SurfaceRegion {
+  explicit Region(const std::vector<Surface>& surfaces) : SurfaceRegion(surfaces, forwardBeams(40, 60, 0.005)) {}
 
   // Chi-square of one plane less that of two, by fits; 0 if a side is too small.
   double gainOf(const SurfaceCut& cut, int fewest) const {

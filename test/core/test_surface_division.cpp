@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/surface_division.h"
 
-#include "patch_plane_clustering/core/clustering.h"
-#include "patch_plane_clustering/core/patch_grid.h"
-
-#include "analytic_scenes.h"
+#include "surface_region.h"
 
 #include <gtest/gtest.h>
 
@@ -15,30 +12,14 @@ namespace {
 
 using namespace testing_tools;
 
-const NoiseModel kNoise(SensorModel{0.01, 0.01, 10.0, 0.0}, 1.0);
-
-// All cells of an image as those of one region, in rows of `cols`.
-struct Region {
-  BeamGrid grid = forwardBeams(80, 120, 0.0025);
-  LabelImage truth;
-  PatchGrid cells;
-  Moments all;
-  std::vector<SurfaceCell> surface;
+// With the links of its cells.
+struct Region : SurfaceRegion {
   SurfaceLinks links;
 
-  explicit Region(const std::vector<Surface>& surfaces) {
-    truth = scan(surfaces, grid);
-    addNoise(grid, 0.01);
-    cells = makePatchGrid(grid, 4, true);
-    weighPatches(kNoise, cells);
-    for (const Patch& cell : cells.patches) all += cell.moments;
-    const SurfaceFrame frame(all, fitPlane(all));
+  explicit Region(const std::vector<Surface>& surfaces) : SurfaceRegion(surfaces, forwardBeams(80, 120, 0.0025)) {
     links.begin.push_back(0);
-    for (const Patch& cell : cells.patches) {
-      const int index = static_cast<int>(surface.size());
-      surface.push_back(
-          {static_cast<float>(cell.col_begin), static_cast<float>(cell.row_begin), frame.measure(cell.moments)});
-      cells.forEachNeighbour(index, [&](int j) { links.cells.push_back(j); });
+    for (int k = 0; k < static_cast<int>(surface.size()); ++k) {
+      cells.forEachNeighbour(k, [&](int j) { links.cells.push_back(j); });
       links.begin.push_back(static_cast<int>(links.cells.size()));
     }
   }
@@ -53,7 +34,7 @@ struct Region {
     return first;
   }
 
-  // Of the true label in the middle of cell k.
+  // The true label in the middle of cell k.
   std::int32_t trueLabel(std::size_t k) const {
     const Patch& cell = cells.patches[k];
     return truth.labels[grid.index((cell.row_begin + cell.row_end) / 2, (cell.col_begin + cell.col_end) / 2)];
@@ -111,6 +92,8 @@ TEST(DivideSurface, LeavesFewPointsOnNeitherSide) {
   DivisionMemory memory;
   SurfaceDivision division;
   const int half = region.grid.size() / 2;
+  divideSurface(region.surface, region.links, bestCut(region.surface, 100), 100, memory, division);
+  ASSERT_FALSE(division.beyond.empty());  // which the next ones have to clear
   divideSurface(region.surface, region.links, bestCut(region.surface, half + 1), half + 1, memory, division);
   EXPECT_TRUE(division.beyond.empty());
   EXPECT_EQ(division.gain, 0.0);
