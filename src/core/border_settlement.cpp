@@ -127,7 +127,9 @@ void nameRegions(const LabelPieces& before, std::size_t count, BorderMemory& mem
   for (std::size_t piece = 1; piece < count; ++piece) {
     if (names[piece] == 0) continue;
     const std::int32_t name = before.names[origin[piece]];
-    if (name != 0 && name != origin[piece] && names[heir[name]] != 0) names[piece] = names[heir[name]];
+    if (name == 0 || name == origin[piece]) continue;
+    const std::int32_t host = heir[name];
+    if (names[host] != 0 || memory.bends[host] != 0) names[piece] = names[host];
   }
 }
 
@@ -138,8 +140,8 @@ void writeNames(const LabelPieces& before, const std::vector<std::int32_t>& whol
   const std::vector<std::int32_t>&names = memory.names, &heir = memory.heir;
   const LabelRun* const runs = memory.runs.data();
   const auto nameOf = [&](std::int32_t piece, std::int32_t was) {
-    if (memory.bends[piece] != 0) return std::int32_t{0};
     const std::int32_t name = names[piece];
+    if (memory.bends[piece] != 0 && before.whole[was] == whole[piece]) return std::int32_t{0};
     if (memory.is_region[was] != 0) {
       const std::int32_t home = heir[before.names[was]];
       return name != 0 ? name : names[home] != 0 ? names[home] : memory.bends[home] != 0 ? 0 : home;

@@ -114,6 +114,26 @@ TEST(SettleBorders, WhatGrowsFromWhatBendsIsNoRegionEither) {
   }
 }
 
+TEST(SettleBorders, WhatBendsDropsNoPointsOfARegion) {
+  Corner corner;  // as before; but a region with points on the wall to the right has some on that to the left
+  corner.start([](int r, int c) { return c < 8 ? 1 : r < 24 && (c < 14 || r < 8) ? 3 : 2; });
+  corner.pieces.names[corner.pieceAt(59, 79)] = 0;
+  std::vector<std::int32_t> whole;
+  const LabelImage out = corner.settle(&whole);
+  EXPECT_EQ(out.labels[corner.grid.index(40, 4)], 0);
+  EXPECT_EQ(whole[out.labels[corner.grid.index(4, 60)]], 3);
+  EXPECT_EQ(out.labels[corner.grid.index(15, 10)], out.labels[corner.grid.index(4, 60)]);
+}
+
+TEST(SettleBorders, ASoftEdgeOfWhatBendsIsNoRegion) {
+  Corner corner;
+  corner.start([](int, int c) { return c < 8 ? 1 : c < 60 ? 2 : 3; });
+  corner.pieces.names[corner.pieceAt(30, 30)] = 0;
+  EXPECT_GT(corner.settle().labels[corner.grid.index(30, 70)], 0);
+  corner.pieces.names[corner.pieceAt(30, 70)] = corner.pieceAt(30, 4);
+  EXPECT_EQ(corner.settle().labels[corner.grid.index(30, 70)], 0);
+}
+
 TEST(SettleBorders, AScrapDoesNotGrowIntoARegion) {
   Corner corner;
   const auto scrap = [](int r, int c) { return r >= 26 && r < 34 && c >= 40 && c < 46 ? 2 : 1; };  // 48 points
