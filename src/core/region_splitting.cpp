@@ -64,9 +64,8 @@ class LabelSplitter {
     const std::size_t whole = parts_.size();
     if (splits_.size() < whole) splits_.resize(whole);  // what each has is kept
     found_.resize(whole);
-    forEachPart(threads, static_cast<int>(whole), works_, [&](int k, Work& work) {
-      found_[k] = mayHaveStep(parts_[k]) && findSplit(parts_[k], work, splits_[k]) ? 1 : 0;
-    });
+    forEachPart(threads, static_cast<int>(whole), works_,
+                [&](int k, Work& work) { found_[k] = findSplit(parts_[k], work, splits_[k]) ? 1 : 0; });
     for (std::size_t k = 0; k < parts_.size(); ++k) {
       const Part part = parts_[k];
       LabelSplit& split = k < whole ? splits_[k] : side_split_;
@@ -118,26 +117,28 @@ class LabelSplitter {
   // Whether that is more in all than noise leaves.
   static bool isMisfit(double chi2, int cells) { return chi2 > cells + kMisfit * std::sqrt(2.0 * cells); }
 
-  // Whether a label of many cells may have a step; other ones are looked at anyway.
-  bool mayHaveStep(const Part& part) const {
-    const int count = part.end - part.begin;
-    if (count <= kManyCells) return true;
-    const Eigen::Vector3d a = fitPlane(shares_.sums[part.label]).a;
+  // Whether whole cells stand off a plane by more in all than noise leaves.
+  bool isMisfit(const Part& part, const PlaneFit& fit) const {
     double chi2 = 0.0;
     for (int i = part.begin; i < part.end; ++i) {
       const Moments& m = momentsOf(places_[i]);
-      chi2 += misfitOf(m.w - a.dot(Eigen::Vector3d(m.x, m.y, m.z)), m.w);
+      const double misfit = m.w - fit.a.dot(Eigen::Vector3d(m.x, m.y, m.z));
+      if (m.w > 0.0) chi2 += misfit * misfit / m.w;
     }
-    return isMisfit(chi2, count);
+    const double count = part.end - part.begin;
+    return chi2 > count + kMisfit * std::sqrt(2.0 * count);
   }
 
   // May be called for several parts at a time.
   bool findSplit(const Part& part, Work& work, LabelSplit& split) const {
     const int count = part.end - part.begin;
+    const bool large = count > kManyCells;
     if (count < kFewestCells) return false;
     const Moments& all = shares_.sums[part.label];
     if (all.n < smallest_) return false;
     const PlaneFit fit = fitPlane(all);
+    const bool is_misfit = tolerance_.isWhite() && isMisfit(part, fit);
+    if (large && !is_misfit) return false;
     const float aspect = aspectOf(part);
     const SurfaceFrame frame(all, fit);
     Surface& surface = work.surface;
@@ -146,21 +147,22 @@ class LabelSplitter {
       surface.push_back({xOf(places_[i]), yOf(places_[i], aspect), frame.measure(momentsOf(places_[i]))});
     }
     const SurfaceCut cut = bestCut(surface, smallest_side_);
-    const bool is_cut = isSplitByCut(part, cut, fit, surface, work.cut);
-    const bool is_divided = isSplitByDivision(part, cut, fit, work, split);
-    const double least = count > kManyCells ? cut.gain : kDivisionGain * cut.gain;
+    const bool may_cut = cut.gain >= significance() && (!large || fit.chi2 > kLargeMisfit * all.n);
+    const bool may_divide = is_misfit && fit.chi2 >= kLeastMisfit * all.n && isDivided(part, cut, work);
+    if (!may_cut && !may_divide) return false;
+    const double bow = bowGain(surface);
+    const bool is_cut = may_cut && isSplitByCut(part, cut, bow, fit, surface, work.cut);
+    const bool is_divided = may_divide && isSplitByDivision(part, work.division, bow, fit, split);
+    const double least = large ? cut.gain : kDivisionGain * cut.gain;
     if (is_cut && !(is_divided && work.division.score() > least)) split = work.cut;
     return is_cut || is_divided;
   }
 
   double significance() const { return kSignificance * tolerance_.inflationOf(smallest_side_); }
 
-  bool isSplitByCut(const Part& part, const SurfaceCut& cut, const PlaneFit& fit, const Surface& surface,
+  bool isSplitByCut(const Part& part, const SurfaceCut& cut, double bow, const PlaneFit& fit, const Surface& surface,
                     LabelSplit& split) const {
     const bool large = part.end - part.begin > kManyCells;
-    if (large && !(fit.chi2 > kLargeMisfit * shares_.sums[part.label].n)) return false;
-    if (!(cut.gain >= significance())) return false;
-    const double bow = bowGain(surface);
     if (!(cut.gain >= bow + significance()) || (large && !(cut.gain >= kLargeGain * bow))) return false;
     split.beyond.clear();
     for (const SurfaceCell& cell : surface) split.beyond.push_back(cut.isBeyond(cell.x, cell.y) ? 1 : 0);
@@ -170,27 +172,24 @@ class LabelSplitter {
     return split.leftOver() < std::max(split.noise(tolerance_), most) && split.isBeyond(tolerance_, noise_, fit);
   }
 
-  // Where errors are correlated, noise winds as well.
-  bool isSplitByDivision(const Part& part, const SurfaceCut& cut, const PlaneFit& fit, Work& work, LabelSplit& split) const {
-    const int count = part.end - part.begin;
-    if (!tolerance_.isWhite() || fit.chi2 < kLeastMisfit * shares_.sums[part.label].n) return false;
-    double chi2 = 0.0;
-    for (const SurfaceCell& cell : work.surface) chi2 += misfitOf(cell.sums.misfits[0], cell.sums.places[1]);
-    if (!isMisfit(chi2, count)) return false;
+  // Whether two planes explain a part far better, with a border that does not wind through noise.
+  bool isDivided(const Part& part, const SurfaceCut& cut, Work& work) const {
     linkCells(part, work);
     SurfaceDivision& division = work.division;
     divideSurface(work.surface, work.links, cut, smallest_side_, work.dividing, division);
     if (division.beyond.empty() || !(division.score() >= significance())) return false;
-    const double bow = bowGain(work.surface);
+    const auto count = static_cast<std::ptrdiff_t>(division.beyond.size());
+    const std::ptrdiff_t beyond = std::count(division.beyond.begin(), division.beyond.end(), 1);
+    return division.border <= kWinding * std::sqrt(static_cast<double>(std::min(beyond, count - beyond)));
+  }
+
+  bool isSplitByDivision(const Part& part, const SurfaceDivision& division, double bow, const PlaneFit& fit,
+                         LabelSplit& split) const {
     if (!(division.score() >= bow + significance())) return false;
-    const auto beyond = std::count(division.beyond.begin(), division.beyond.end(), 1);
-    if (division.border > kWinding * std::sqrt(static_cast<double>(std::min(beyond, count - beyond)))) return false;
     split.beyond = division.beyond;
     if (!fitSides(part, split)) return false;
-    const bool parallel = split.areParallel();
-    if (!(division.score() >= (parallel ? kParallelGain : kTurnedGain) * bow) || (count > kManyCells && !parallel)) {
-      return false;
-    }
+    const bool large = part.end - part.begin > kManyCells, parallel = split.areParallel();
+    if (!(division.score() >= (parallel ? kParallelGain : kTurnedGain) * bow) || (large && !parallel)) return false;
     return split.leftOver() < std::max(split.noise(tolerance_), kDivisionLeft * division.gain) &&
            split.isBeyond(tolerance_, noise_, fit);
   }

@@ -56,7 +56,8 @@ class Divider {
     for (int round = 0; round < kRounds && changes; ++round) {
       if (!sumSides()) return;
       const SurfacePlane near(near_), beyond(beyond_);
-      changes = assignCells(near, beyond) || joinPatches(near, beyond);
+      changes = assignCells(near, beyond);
+      if (!changes || round + 1 == kRounds) changes = joinPatches(near, beyond);
     }
     if (!sumSides()) return;
     int border = 0;
@@ -122,12 +123,17 @@ class Divider {
       if (k == largest[0] || k == largest[1]) continue;
       const char side = side_[members[begin[k]]];
       double stays = 0.0;  // what it gains by staying
+      bool apart = true;   // unless what was around it has gone over
       for (int m = begin[k]; m < begin[k + 1]; ++m) {
         const int i = members[m];
         stays += (side != 0 ? -1.0 : 1.0) * lossOf(i, near, beyond);
-        for (const int* j = linksOf(i); j != linksEnd(i); ++j) stays -= memory_.patch[*j] != k ? kNeighbour : 0.0;
+        for (const int* j = linksOf(i); j != linksEnd(i); ++j) {
+          if (memory_.patch[*j] == k) continue;
+          apart = apart && side_[*j] != side;
+          stays -= kNeighbour;
+        }
       }
-      if (stays >= kPatch) continue;
+      if (!apart || stays >= kPatch) continue;
       for (int m = begin[k]; m < begin[k + 1]; ++m) side_[members[m]] = side != 0 ? 0 : 1;
       changes = true;
     }

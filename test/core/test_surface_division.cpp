@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 namespace ppc {
 namespace {
@@ -85,6 +87,40 @@ TEST(DivideSurface, OfAPlaneExplainsNoNoise) {
     const SurfaceDivision division = Region({wall({-1.0, tilt, 0.1}, -3.0)}).divide();
     EXPECT_LT(division.beyond.empty() ? 0.0 : division.score(), 25.0);
   }
+}
+
+TEST(DivideSurface, KeepsAPatchApartOnlyIfItGainsByIt) {
+  constexpr int kSide = 20;
+  constexpr float kWeight = 25.0F;
+  const auto door = [](int r, int c) { return r >= 5 && r < 13 && c >= 6 && c < 12; };
+  const auto isApart = [&](float misfit) {  // one cell far from the door, four edges about it
+    std::vector<SurfaceCell> cells;
+    SurfaceLinks links;
+    links.begin.push_back(0);
+    for (int i = 0; i < kSide * kSide; ++i) {
+      const int r = i / kSide, c = i % kSide;
+      const float u = 0.1F * static_cast<float>(c - kSide / 2), v = 0.1F * static_cast<float>(r - kSide / 2);
+      const float e = door(r, c) ? 1.0F : r == 16 && c == 16 ? misfit : 0.0F, w = kWeight;
+      cells.push_back({static_cast<float>(c),
+                       static_cast<float>(r),
+                       {Lanes{16.0F, w, w * u, w * v}, Lanes{w * u * u, w * u * v, w * v * v, 0.0F},
+                        Lanes{w * e, w * e * u, w * e * v, 0.0F}}});
+      for (const auto& [dr, dc] : {std::pair(-1, 0), std::pair(1, 0), std::pair(0, -1), std::pair(0, 1)}) {
+        const bool inside = r + dr >= 0 && r + dr < kSide && c + dc >= 0 && c + dc < kSide;
+        if (inside) links.cells.push_back(i + dr * kSide + dc);
+      }
+      links.begin.push_back(static_cast<int>(links.cells.size()));
+    }
+    DivisionMemory memory;
+    SurfaceDivision division;
+    divideSurface(cells, links, bestCut(cells, 100), 100, memory, division);
+    EXPECT_EQ(division.beyond.size(), cells.size());
+    EXPECT_NE(division.beyond[8 * kSide + 8], division.beyond[0]);
+    return division.beyond[16 * kSide + 16] != division.beyond[0];
+  };
+  EXPECT_FALSE(isApart(0.0F));
+  EXPECT_FALSE(isApart(0.9F));  // 20 in chi-square, less 12 for its edges
+  EXPECT_TRUE(isApart(1.3F));
 }
 
 TEST(DivideSurface, LeavesFewPointsOnNeitherSide) {
