@@ -24,7 +24,10 @@ constexpr double kWideRadius = 8.0;    // least radius of a wide bow [m]
 constexpr double kBowEvidence = 1.5;   // least misfit of the planes of both parts at the border over that of one plane there
 constexpr double kWideEvidence = 1.1;  // likewise, for parts of a wide bow
 constexpr double kBowSignificance = 25.0;  // far beyond chi-square with 3 degrees of freedom
-constexpr int kBorderSteps = 2;            // depth of a border in cells
+constexpr double kCreaseTolerance =
+    0.8;  // by which a part that is turned more than a bow may stand off, over that of patches
+constexpr double kCreaseSignificance = 150.0;
+constexpr int kBorderSteps = 2;  // depth of a border in cells
 constexpr int kMinBorderPoints = 6;
 constexpr int kFewPairs = 100;  // not worth a second thread
 
@@ -67,6 +70,22 @@ bool isBowed(const Whole& a, const Whole& b, bool wide, const Moments& side_a, c
   const double crease = chiSquare(side_a, a.fit.a) + chiSquare(side_b, b.fit.a);
   return crease > (wide ? kWideEvidence : kBowEvidence) * fitPlane(side_a + side_b).chi2 +
                       kBowSignificance * tolerance.inflationOf(std::min(side_a.n, side_b.n));
+}
+
+// Whether two parts that are turned by more than those of a bow are so for certain, however small the distances are that it
+// makes: the smaller one's own plane serves it far better than the best one that is parallel to the other's.
+bool isCrease(const Whole& a, const Whole& b, const NoiseModel& noise, const CoplanarityTolerance& tolerance) {
+  const bool first = a.moments.n < b.moments.n;
+  const Whole &small = first ? a : b, &large = first ? b : a;
+  const Moments& m = small.moments;
+  const Eigen::Vector3d normal = large.fit.normal();
+  const double along = normal.dot(Eigen::Vector3d(m.x, m.y, m.z));
+  const double square = chiSquare(m, normal) - m.w + 2.0 * along;  // of 1 / distance, in that of the parallel plane
+  const double turned = m.w - along * along / square - small.fit.chi2;
+  const double range = m.mean().norm(), sigma = noise.sigma(range);
+  const double distance = kCreaseTolerance * tolerance.forNoise(sigma).sigma_distance;
+  return turned > kCreaseSignificance * tolerance.inflationOf(m.n) +
+                      m.n / (sigma * sigma) * distance * distance * secantSquared(small.fit.a, range);
 }
 
 // Whether two parts are turned as little, for the distance between them, as those of a ceiling or wall that sags.
@@ -222,7 +241,7 @@ void mergeShares(const PatchGrid& cells, const NoiseModel& noise, const Coplanar
                      const PlaneFit joint = fitPlane(a.moments + b.moments);
                      const double s = wholeSimilarity(a, b, joint, noise, tolerance);
                      const bool may_bow = a.fit.normal().dot(b.fit.normal()) > std::cos(kBowTurn);
-                     if (s < threshold && !may_bow) continue;
+                     if (!may_bow && (s < threshold || isCrease(a, b, noise, tolerance))) continue;
                      const auto [first, second] = sums.measure(pair, &groups[begin], groups.data() + end);
                      if (first.n < kMinBorderPoints || second.n < kMinBorderPoints) continue;
                      // Over a wide bow, the plane of both leaves the border: a step shows in the nearest of both sides

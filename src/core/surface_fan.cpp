@@ -72,7 +72,8 @@ class CommonSurface {
  private:
   double allowed(double weight) const {
     const double points = a_.region.stride * a_.region.samples.used + b_.region.stride * b_.region.samples.used;
-    return tolerance_.inflation * points + tolerance_.sigma_distance * tolerance_.sigma_distance * weight;
+    const double distance = tolerance_.forNoise(std::sqrt(points / weight)).sigma_distance;
+    return tolerance_.inflation * points + distance * distance * weight;
   }
 
   // Heights along n, not along the region's own normal, are larger.

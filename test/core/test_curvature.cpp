@@ -144,6 +144,15 @@ TEST(DropCurvedRegions, KeepsPlanesThatMeetAtACrease) {
   }
 }
 
+// Faces of 7 cm: one quadratic surface leaves but a millimetre.
+TEST(DropCurvedRegions, KeepsSmallFacesOfACreaseThatAFineSensorSees) {
+  const NoiseModel fine(SensorModel{0.001, 0.001, 10.0, 0.0}, 1.0);
+  Scene scene({wall({-1.0, 0.2, 0.0}, -0.15), wall({-1.0, -0.2, 0.0}, -0.15)}, 0.001);
+  const std::vector<std::int32_t> before = scene.labels.labels;
+  scene.drop(kMaxTurn, fine);
+  EXPECT_EQ(scene.labels.labels, before);
+}
+
 TEST(DropCurvedRegions, KeepsABowedWall) {
   Scene scene({bowedWall(0.02)});
   scene.drop();

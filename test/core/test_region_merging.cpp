@@ -86,7 +86,7 @@ TEST(MergeLabels, KeepsASmallFrontApartFromATopSeenObliquelyUnlessErrorsAreCorre
   const NoiseModel noise(SensorModel{kSigma, kSigma, 10.0, 0.0}, 1.0);
   PatchGrid cells = makePatchGrid(grid, 4, true);
   weighPatches(noise, cells);
-  for (const double inflation : {1.0, 1.3}) {
+  for (const double inflation : {1.0, 4.0}) {
     LabelImage labels = faces;
     CellShares shares = shareCells(grid, cells, noise, labels);
     MergeMemory memory;
@@ -114,6 +114,27 @@ TEST(MergeLabels, JoinsTheHalvesOfASmoothSagButNotOfACreaseOfTheSameTurn) {
   const std::vector<std::int32_t> before = creased.labels.labels;
   creased.merge();
   EXPECT_EQ(creased.labels.labels, before);
+}
+
+// Faces of 10 cm, creased by 12 degrees or not, as a sensor of a millimetre sees them: within 5 mm of one plane.
+TEST(MergeLabels, KeepsSmallFacesApartThatAreTurnedForCertain) {
+  constexpr double kSigma = 0.001;
+  const NoiseModel noise(SensorModel{kSigma, kSigma, 10.0, 0.0}, 1.0);
+  for (const double half : {0.0, 6.0 * kDegree}) {
+    const Eigen::Vector3d left(-std::cos(half), -std::sin(half), 0.0), right(-std::cos(half), std::sin(half), 0.0);
+    BeamGrid grid = forwardBeams(60, 40, 0.005);
+    LabelImage labels = scan({surfaceOf({{left, -std::cos(half)}, kLeft}), wall(right, -std::cos(half))}, grid);
+    addNoise(grid, kSigma);
+    for (int i = 0; i < grid.size(); ++i) labels.labels[i] = i % grid.cols < 20 ? 1 : 2;
+    PatchGrid cells = makePatchGrid(grid, 4, true);
+    weighPatches(noise, cells);
+    CellShares shares = shareCells(grid, cells, noise, labels);
+    MergeMemory memory;
+    std::vector<LabelRun> runs;
+    std::vector<Eigen::Vector3d> planes;
+    mergeLabels(cells, noise, kTolerance, 0.1, memory, shares, labels, runs, planes);
+    EXPECT_EQ(labels.labels.front() == labels.labels.back(), half == 0.0);
+  }
 }
 
 TEST(MergeLabels, JoinsTheSlightlyTurnedHalvesOfABowedWall) {
