@@ -26,7 +26,7 @@ constexpr double kWideEvidence = 1.1;  // likewise, for parts of a wide bow
 constexpr double kBowSignificance = 25.0;  // far beyond chi-square with 3 degrees of freedom
 constexpr double kCreaseTolerance =
     0.8;  // by which a part that is turned more than a bow may stand off, over that of patches
-constexpr double kCreaseSignificance = 150.0;
+constexpr double kCreaseSignificance = 50.0;
 constexpr int kBorderSteps = 2;  // depth of a border in cells
 constexpr int kMinBorderPoints = 6;
 constexpr int kFewPairs = 100;  // not worth a second thread
@@ -73,17 +73,20 @@ bool isBowed(const Whole& a, const Whole& b, bool wide, const Moments& side_a, c
 }
 
 // Whether two parts that are turned by more than those of a bow are so for certain, however small the distances are that it
-// makes: the smaller one's own plane serves it far better than the best one that is parallel to the other's.
+// makes: the smaller one's own plane serves it far better than the best one that is parallel to the other's. Only where the
+// tolerance shrinks with the noise: strips of what bends, seen by a coarse sensor, are one region or their bend is not
+// found.
 bool isCrease(const Whole& a, const Whole& b, const NoiseModel& noise, const CoplanarityTolerance& tolerance) {
   const bool first = a.moments.n < b.moments.n;
   const Whole &small = first ? a : b, &large = first ? b : a;
   const Moments& m = small.moments;
+  const double range = m.mean().norm(), sigma = noise.sigma(range);
+  const double distance = kCreaseTolerance * tolerance.forNoise(sigma).sigma_distance;
+  if (!(distance < kCreaseTolerance * tolerance.sigma_distance)) return false;
   const Eigen::Vector3d normal = large.fit.normal();
   const double along = normal.dot(Eigen::Vector3d(m.x, m.y, m.z));
   const double square = chiSquare(m, normal) - m.w + 2.0 * along;  // of 1 / distance, in that of the parallel plane
   const double turned = m.w - along * along / square - small.fit.chi2;
-  const double range = m.mean().norm(), sigma = noise.sigma(range);
-  const double distance = kCreaseTolerance * tolerance.forNoise(sigma).sigma_distance;
   return turned > kCreaseSignificance * tolerance.inflationOf(m.n) +
                       m.n / (sigma * sigma) * distance * distance * secantSquared(small.fit.a, range);
 }

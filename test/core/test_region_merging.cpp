@@ -86,7 +86,7 @@ TEST(MergeLabels, KeepsASmallFrontApartFromATopSeenObliquelyUnlessErrorsAreCorre
   const NoiseModel noise(SensorModel{kSigma, kSigma, 10.0, 0.0}, 1.0);
   PatchGrid cells = makePatchGrid(grid, 4, true);
   weighPatches(noise, cells);
-  for (const double inflation : {1.0, 4.0}) {
+  for (const double inflation : {1.0, 1.3}) {
     LabelImage labels = faces;
     CellShares shares = shareCells(grid, cells, noise, labels);
     MergeMemory memory;
