@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <utility>
 
 namespace ppc {
@@ -18,6 +19,7 @@ constexpr double kWeakTurn = 0.31;      // of a strip beside a curved one, in ma
 constexpr double kWeakAmplitude = 0.2;  // likewise, in tolerances of distance
 constexpr double kEdgeTolerance = 3.0;  // of a bent edge of a plane, in tolerances of distance
 constexpr int kEdgeSizes = 4;           // smallest size of that plane over the edge's: what is larger is no edge of it
+constexpr double kRangeSlack = 0.1;     // between the ranges of regions that touch, over what both span
 constexpr int kMaxGap = 2;              // pixels between regions that touch
 
 // Root mean square distance of samples from a plane, their noise taken out [m].
@@ -32,6 +34,31 @@ double misfit(const Plane& plane, const RegionSamples& region) {
     sum += distance * distance - region.stride / double{samples.weight[i]};
   }
   return std::sqrt(std::max(0.0, sum / std::max(1, samples.used)));
+}
+
+struct Span {
+  double nearest = std::numeric_limits<double>::infinity(), farthest = 0.0;
+};
+
+// Distances of a region's samples from the sensor [m].
+Span rangesOf(const RegionSamples& region) {
+  const SurfaceSamples& samples = region.samples;
+  Span span;
+  for (std::size_t i = 0; i < samples.size; ++i) {
+    if (samples.weight[i] == 0.0F) continue;
+    const Eigen::Vector3d foot(samples.x[i], samples.y[i], samples.z[i]);
+    const double range = (samples.center + foot + double{samples.height[i]} * samples.normal).norm();
+    span.nearest = std::min(span.nearest, range);
+    span.farthest = std::max(span.farthest, range);
+  }
+  return span;
+}
+
+// Whether regions that touch in the image may do so in space too: what is far behind a column is no part of it.
+bool mayTouch(const RegionSamples& a, const RegionSamples& b) {
+  const Span of_a = rangesOf(a), of_b = rangesOf(b);
+  const double slack = kRangeSlack * (of_a.farthest - of_a.nearest + of_b.farthest - of_b.nearest);
+  return std::max(of_a.nearest, of_b.nearest) <= std::min(of_a.farthest, of_b.farthest) + slack;
 }
 
 // Samples a label of at least three points, and measures how it bends.
@@ -112,7 +139,9 @@ void planarNames(const BeamGrid& grid, const NoiseModel& noise, const Coplanarit
     const bool of_first = certain[first] != 0;
     const std::int32_t strip = of_first ? second : first, beside = of_first ? first : second;
     if (regions[strip].points >= kStripSizes * regions[beside].points) continue;
-    if (weak[strip] != 0 || isMoreOfFan(bent(strip), bent(beside), tolerance, max_turn)) curved[strip] = 1;
+    const bool is_more = (weak[strip] != 0 && mayTouch(regions[strip], regions[beside])) ||
+                         isMoreOfFan(bent(strip), bent(beside), tolerance, max_turn);
+    if (is_more) curved[strip] = 1;
   }
   // A bent strip along a larger plane that it hardly leaves is the soft edge of that plane.
   names.resize(regions.size());

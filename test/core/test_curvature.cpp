@@ -160,6 +160,15 @@ TEST(DropCurvedRegions, KeepsABowedWall) {
 }
 
 // In pieces it bends as a fan of narrow strips does, but far wider.
+TEST(DropCurvedRegions, KeepsABowedWallFarBehindAColumn) {
+  Scene scene({bowedWall(0.06), column(1.2, 0.0, 0.35)});
+  const int of_wall = countOf(scene.labels, 1);
+  ASSERT_LT(of_wall, 2 * countOf(scene.labels, 2));
+  scene.drop();
+  EXPECT_EQ(countOf(scene.labels, 1), of_wall);
+  EXPECT_EQ(countOf(scene.labels, 2), 0);
+}
+
 TEST(DropCurvedRegions, KeepsThePiecesOfABowedWall) {
   const NoiseModel fine(SensorModel{0.0005, 0.0005, 10.0, 0.0}, 1.0);
   Scene scene({bowedWall(0.15)}, 0.0005);

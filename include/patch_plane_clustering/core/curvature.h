@@ -39,7 +39,8 @@ std::vector<Bend> measureBends(const BeamGrid& grid, const LabelImage& labels, c
 /// which may bow by a centimetre over several metres. Touching regions that meet at an angle are strips of one curved
 /// surface if one quadratic surface serves both; at the crease of two planes it does not (of an evenly sampled one, a
 /// sixteenth of what one plane leaves remains). So come the halves of a thin column in much noise, nearly at right angles;
-/// strips at its limbs, beside one that is found curved, need only come near one such surface.
+/// strips at its limbs, beside one that is found curved, need only come near one such surface, and those that bend a little
+/// need only be at its range.
 /// @param memory as prepareCurvature() has left it for the labels.
 /// @param names set for every label to itself if it is planar, 0 if it is curved, or the label of the plane whose soft edge
 /// it is.

@@ -42,12 +42,11 @@ struct MergeMemory {
 ///
 /// Two conditions must hold. The joint plane serves both as wholes: with a wider tolerance than from patch to patch, for
 /// walls bow, wider still if they are hardly turned against each other; or they are turned a little, but the border itself
-/// lies on one plane rather than on the two (a sagging floor, not a crease). To a sensor
-/// of less than 2.5 mm of noise, what is turned by more than 8 degrees must not be so for certain: a crease of small faces
-/// stays within any tolerance of distance. And where
-/// they meet there is no step: the strips on both sides of the border are compared by their offset alone (a plane tilted
-/// across a step hides three quarters of it); those of a wide bow, whose joint plane leaves the border, by the nearest of
-/// both sides.
+/// lies on one plane rather than on the two (a sagging floor, not a crease). To a sensor of less than 2.5 mm of noise, what
+/// is turned by more than 8 degrees must not be so for certain: a crease of small faces stays within any tolerance of
+/// distance. And where they meet there is no step: the strips on both sides of the border are compared by their offset alone
+/// (a plane tilted across a step hides three quarters of it); those of a wide bow, whose joint plane leaves the border, by
+/// the nearest of both sides.
 /// @param cells blocks of pixels by which "touching" and "where they meet" are measured.
 /// @param shares of `labels`; renamed along with them. @param runs set to those of the new labels. @param planes set to
 /// those of the new labels, as by labelPlanes(); 0 of names that no label has any more.
