@@ -24,8 +24,7 @@ constexpr double kWideRadius = 8.0;    // least radius of a wide bow [m]
 constexpr double kBowEvidence = 1.5;   // least misfit of the planes of both parts at the border over that of one plane there
 constexpr double kWideEvidence = 1.1;  // likewise, for parts of a wide bow
 constexpr double kBowSignificance = 25.0;  // far beyond chi-square with 3 degrees of freedom
-constexpr double kCreaseTolerance =
-    0.8;  // by which a part that is turned more than a bow may stand off, over that of patches
+constexpr double kCreaseTolerance = 0.8;   // of a part turned by more than kBowTurn, over that from patch to patch
 constexpr double kCreaseSignificance = 50.0;
 constexpr int kBorderSteps = 2;  // depth of a border in cells
 constexpr int kMinBorderPoints = 6;
@@ -74,8 +73,7 @@ bool isBowed(const Whole& a, const Whole& b, bool wide, const Moments& side_a, c
 
 // Whether two parts that are turned by more than those of a bow are so for certain, however small the distances are that it
 // makes: the smaller one's own plane serves it far better than the best one that is parallel to the other's. Only where the
-// tolerance shrinks with the noise: strips of what bends, seen by a coarse sensor, are one region or their bend is not
-// found.
+// tolerance shrinks with the noise: seen by a coarser sensor, strips of what bends must become one for their bend to show.
 bool isCrease(const Whole& a, const Whole& b, const NoiseModel& noise, const CoplanarityTolerance& tolerance) {
   const bool first = a.moments.n < b.moments.n;
   const Whole &small = first ? a : b, &large = first ? b : a;

@@ -112,11 +112,6 @@ class LabelSplitter {
     return static_cast<float>(cells_.strip_cols) / static_cast<float>(cells_.strip_rows[strip]);
   }
 
-  // Chi-square of what a cell stands off a plane on average. @param misfit sum w e. @param weight sum w.
-  static double misfitOf(double misfit, double weight) { return weight > 0.0 ? misfit * misfit / weight : 0.0; }
-  // Whether that is more in all than noise leaves.
-  static bool isMisfit(double chi2, int cells) { return chi2 > cells + kMisfit * std::sqrt(2.0 * cells); }
-
   // Whether whole cells stand off a plane by more in all than noise leaves.
   bool isMisfit(const Part& part, const PlaneFit& fit) const {
     double chi2 = 0.0;

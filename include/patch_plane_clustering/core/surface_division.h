@@ -37,7 +37,8 @@ struct DivisionMemory {
 /// From three starts (the straight cut, what stands before the region's plane, and what stands behind it), in turns: a plane
 /// is fitted to each side, and each cell goes to the one that explains it better, where each neighbour on a side speaks for
 /// that side with 3 in chi-square, as a Potts model has it (iterated conditional modes, Besag 1986); when nothing changes
-/// any more, or after eight rounds, patches that lie apart go over unless they gain 15 by staying. The best start's by score() is taken.
+/// any more, or after eight rounds, patches that lie apart go over unless they gain 15 by staying. The best start's by
+/// score() is taken.
 /// @param cut the best of the region, see bestCut(). @param fewest points that each side must have.
 void divideSurface(const std::vector<SurfaceCell>& cells, const SurfaceLinks& links, const SurfaceCut& cut, double fewest,
                    DivisionMemory& memory, SurfaceDivision& division);
