@@ -22,6 +22,12 @@ constexpr int kEdgeSizes = 4;           // smallest size of that plane over the 
 constexpr double kRangeSlack = 0.1;     // between the ranges of regions that touch, over what both span
 constexpr int kMaxGap = 2;              // pixels between regions that touch
 
+// A measured point of a region, about samples.center [m].
+Eigen::Vector3d measuredPoint(const SurfaceSamples& samples, std::size_t i) {
+  const Eigen::Vector3d foot(samples.x[i], samples.y[i], samples.z[i]);
+  return foot + double{samples.height[i]} * samples.normal;
+}
+
 // Root mean square distance of samples from a plane, their noise taken out [m].
 double misfit(const Plane& plane, const RegionSamples& region) {
   const SurfaceSamples& samples = region.samples;
@@ -29,8 +35,7 @@ double misfit(const Plane& plane, const RegionSamples& region) {
   double sum = 0.0;
   for (std::size_t i = 0; i < samples.size; ++i) {
     if (samples.weight[i] == 0.0F) continue;
-    const Eigen::Vector3d foot(samples.x[i], samples.y[i], samples.z[i]);
-    const double distance = offset + plane.normal.dot(foot + double{samples.height[i]} * samples.normal);
+    const double distance = offset + plane.normal.dot(measuredPoint(samples, i));
     sum += distance * distance - region.stride / double{samples.weight[i]};
   }
   return std::sqrt(std::max(0.0, sum / std::max(1, samples.used)));
@@ -40,14 +45,13 @@ struct Span {
   double nearest = std::numeric_limits<double>::infinity(), farthest = 0.0;
 };
 
-// Distances of a region's samples from the sensor [m].
+// Distances of a region's samples from the origin, near which the sensor is [m].
 Span rangesOf(const RegionSamples& region) {
   const SurfaceSamples& samples = region.samples;
   Span span;
   for (std::size_t i = 0; i < samples.size; ++i) {
     if (samples.weight[i] == 0.0F) continue;
-    const Eigen::Vector3d foot(samples.x[i], samples.y[i], samples.z[i]);
-    const double range = (samples.center + foot + double{samples.height[i]} * samples.normal).norm();
+    const double range = (samples.center + measuredPoint(samples, i)).norm();
     span.nearest = std::min(span.nearest, range);
     span.farthest = std::max(span.farthest, range);
   }

@@ -112,6 +112,9 @@ class LabelSplitter {
     return static_cast<float>(cells_.strip_cols) / static_cast<float>(cells_.strip_rows[strip]);
   }
 
+  static int sizeOf(const Part& part) { return part.end - part.begin; }
+  static bool isLarge(const Part& part) { return sizeOf(part) > kManyCells; }
+
   // Whether whole cells stand off a plane by more in all than noise leaves.
   bool isMisfit(const Part& part, const PlaneFit& fit) const {
     double chi2 = 0.0;
@@ -120,15 +123,14 @@ class LabelSplitter {
       const double misfit = m.w - fit.a.dot(Eigen::Vector3d(m.x, m.y, m.z));
       if (m.w > 0.0) chi2 += misfit * misfit / m.w;
     }
-    const double count = part.end - part.begin;
+    const double count = sizeOf(part);
     return chi2 > count + kMisfit * std::sqrt(2.0 * count);
   }
 
   // May be called for several parts at a time.
   bool findSplit(const Part& part, Work& work, LabelSplit& split) const {
-    const int count = part.end - part.begin;
-    const bool large = count > kManyCells;
-    if (count < kFewestCells) return false;
+    if (sizeOf(part) < kFewestCells) return false;
+    const bool large = isLarge(part);
     const Moments& all = shares_.sums[part.label];
     if (all.n < smallest_) return false;
     const PlaneFit fit = fitPlane(all);
@@ -157,7 +159,7 @@ class LabelSplitter {
 
   bool isSplitByCut(const Part& part, const SurfaceCut& cut, double bow, const PlaneFit& fit, const Surface& surface,
                     LabelSplit& split) const {
-    const bool large = part.end - part.begin > kManyCells;
+    const bool large = isLarge(part);
     if (!(cut.gain >= bow + significance()) || (large && !(cut.gain >= kLargeGain * bow))) return false;
     split.beyond.clear();
     for (const SurfaceCell& cell : surface) split.beyond.push_back(cut.isBeyond(cell.x, cell.y) ? 1 : 0);
@@ -183,7 +185,7 @@ class LabelSplitter {
     if (!(division.score() >= bow + significance())) return false;
     split.beyond = division.beyond;
     if (!fitSides(part, split)) return false;
-    const bool large = part.end - part.begin > kManyCells, parallel = split.areParallel();
+    const bool large = isLarge(part), parallel = split.areParallel();
     if (!(division.score() >= (parallel ? kParallelGain : kTurnedGain) * bow) || (large && !parallel)) return false;
     return split.leftOver() < std::max(split.noise(tolerance_), kDivisionLeft * division.gain) &&
            split.isBeyond(tolerance_, noise_, fit);

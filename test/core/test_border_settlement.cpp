@@ -117,8 +117,10 @@ TEST(SettleBorders, WhatGrowsFromWhatBendsIsNoRegionEither) {
 TEST(SettleBorders, WhatBendsDropsNoPointsOfARegion) {
   Corner corner;  // as before; but a region with points on the wall to the right has some on that to the left
   corner.start([](int r, int c) { return c < 8 ? 1 : r < 24 && (c < 14 || r < 8) ? 3 : 2; });
-  corner.pieces.names[corner.pieceAt(59, 79)] = 0;
   std::vector<std::int32_t> whole;
+  const LabelImage taken = corner.settle(&whole);
+  ASSERT_EQ(whole[taken.labels[corner.grid.index(15, 10)]], 1);  // while nothing bends
+  corner.pieces.names[corner.pieceAt(59, 79)] = 0;
   const LabelImage out = corner.settle(&whole);
   EXPECT_EQ(out.labels[corner.grid.index(40, 4)], 0);
   EXPECT_EQ(whole[out.labels[corner.grid.index(4, 60)]], 3);

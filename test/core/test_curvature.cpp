@@ -159,7 +159,6 @@ TEST(DropCurvedRegions, KeepsABowedWall) {
   EXPECT_EQ(countOf(scene.labels, 1), scene.grid.size());
 }
 
-// In pieces it bends as a fan of narrow strips does, but far wider.
 TEST(DropCurvedRegions, KeepsABowedWallFarBehindAColumn) {
   Scene scene({bowedWall(0.06), column(1.2, 0.0, 0.35)});
   const int of_wall = countOf(scene.labels, 1);
@@ -169,6 +168,7 @@ TEST(DropCurvedRegions, KeepsABowedWallFarBehindAColumn) {
   EXPECT_EQ(countOf(scene.labels, 2), 0);
 }
 
+// In pieces it bends as a fan of narrow strips does, but far wider.
 TEST(DropCurvedRegions, KeepsThePiecesOfABowedWall) {
   const NoiseModel fine(SensorModel{0.0005, 0.0005, 10.0, 0.0}, 1.0);
   Scene scene({bowedWall(0.15)}, 0.0005);

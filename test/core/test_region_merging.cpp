@@ -14,25 +14,26 @@ namespace {
 using namespace testing_tools;
 
 const CoplanarityTolerance kTolerance{0.005, 0.005, 1.0};
-const NoiseModel kNoise(SensorModel{0.01, 0.01, 10.0, 0.0}, 1.0);
 
 struct Scene {
   BeamGrid grid;
+  NoiseModel noise;
   LabelImage labels;
   PatchGrid cells;
   CellShares shares;
 
   // Labels as measured, or, given `cut`, 1 left and 2 right of that column.
-  explicit Scene(const std::vector<Surface>& surfaces, int cut = -1, const BeamGrid& beams = forwardBeams(60, 80, 0.005))
-      : grid(beams) {
+  explicit Scene(const std::vector<Surface>& surfaces, int cut = -1, const BeamGrid& beams = forwardBeams(60, 80, 0.005),
+                 double sigma = 0.01)
+      : grid(beams), noise(SensorModel{sigma, sigma, 10.0, 0.0}, 1.0) {
     labels = scan(surfaces, grid);
-    addNoise(grid, 0.01);
+    addNoise(grid, sigma);
     if (cut >= 0) {
       for (int i = 0; i < grid.size(); ++i) labels.labels[i] = i % grid.cols < cut ? 1 : 2;
     }
     cells = makePatchGrid(grid, 4, true);
-    weighPatches(kNoise, cells);
-    shares = shareCells(grid, cells, kNoise, labels);
+    weighPatches(noise, cells);
+    shares = shareCells(grid, cells, noise, labels);
   }
 
   std::vector<Eigen::Vector3d> planes;
@@ -40,7 +41,7 @@ struct Scene {
   void merge() {
     MergeMemory memory;
     std::vector<LabelRun> runs;
-    mergeLabels(cells, kNoise, kTolerance, 0.1, memory, shares, labels, runs, planes);
+    mergeLabels(cells, noise, kTolerance, 0.1, memory, shares, labels, runs, planes);
     expectRunsOf(labels, runs);
   }
 };
@@ -118,22 +119,12 @@ TEST(MergeLabels, JoinsTheHalvesOfASmoothSagButNotOfACreaseOfTheSameTurn) {
 
 // Faces of 10 cm, creased by 12 degrees or not, as a sensor of a millimetre sees them: within 5 mm of one plane.
 TEST(MergeLabels, KeepsSmallFacesApartThatAreTurnedForCertain) {
-  constexpr double kSigma = 0.001;
-  const NoiseModel noise(SensorModel{kSigma, kSigma, 10.0, 0.0}, 1.0);
   for (const double half : {0.0, 6.0 * kDegree}) {
     const Eigen::Vector3d left(-std::cos(half), -std::sin(half), 0.0), right(-std::cos(half), std::sin(half), 0.0);
-    BeamGrid grid = forwardBeams(60, 40, 0.005);
-    LabelImage labels = scan({surfaceOf({{left, -std::cos(half)}, kLeft}), wall(right, -std::cos(half))}, grid);
-    addNoise(grid, kSigma);
-    for (int i = 0; i < grid.size(); ++i) labels.labels[i] = i % grid.cols < 20 ? 1 : 2;
-    PatchGrid cells = makePatchGrid(grid, 4, true);
-    weighPatches(noise, cells);
-    CellShares shares = shareCells(grid, cells, noise, labels);
-    MergeMemory memory;
-    std::vector<LabelRun> runs;
-    std::vector<Eigen::Vector3d> planes;
-    mergeLabels(cells, noise, kTolerance, 0.1, memory, shares, labels, runs, planes);
-    EXPECT_EQ(labels.labels.front() == labels.labels.back(), half == 0.0);
+    const double d = -std::cos(half);
+    Scene scene({surfaceOf({{left, d}, kLeft}), wall(right, d)}, 20, forwardBeams(60, 40, 0.005), 0.001);
+    scene.merge();
+    EXPECT_EQ(scene.labels.labels.front() == scene.labels.labels.back(), half == 0.0);
   }
 }
 
@@ -178,7 +169,7 @@ TEST(MergeLabels, KeepsPiecesApartThatDoNotTouch) {
   for (int i = 0; i < scene.grid.size(); ++i) {
     if (std::abs(i % scene.grid.cols - 40) < 12) scene.labels.labels[i] = 0;
   }
-  scene.shares = shareCells(scene.grid, scene.cells, kNoise, scene.labels);
+  scene.shares = shareCells(scene.grid, scene.cells, scene.noise, scene.labels);
   scene.merge();
   EXPECT_EQ(scene.labels.labels.front(), 1);
   EXPECT_EQ(scene.labels.labels.back(), 2);

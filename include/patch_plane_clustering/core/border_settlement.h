@@ -57,7 +57,7 @@ struct BorderMemory {
 /// that their new piece has kept are. So strips of a curved surface, which no longer bend once they end where their planes
 /// meet, do not come back, and no scrap grows into a region. A piece that takes much of what bends, for 0.4 times the points
 /// that it has kept of regions less those of none, is a strip of the same surface and no region either; what it has taken of
-/// regions goes back.
+/// regions goes back, unless nothing of them is left to go back to.
 /// @param before the pieces, their names and labels. @param planes of the labels, see labelPlanes().
 /// @param smallest points of a region, at least. @param labels those of which `before` has the pieces; set to the new
 /// pieces, 0 where there is no region.
