@@ -124,12 +124,13 @@ void nameRegions(const LabelPieces& before, std::size_t count, BorderMemory& mem
     memory.bends[piece] = bends ? 1 : 0;
     names[piece] = bends ? 0 : static_cast<std::int32_t>(piece);
   }
+  memory.own = names;
   for (std::size_t piece = 1; piece < count; ++piece) {
     if (names[piece] == 0) continue;
     const std::int32_t name = before.names[origin[piece]];
     if (name == 0 || name == origin[piece]) continue;
     const std::int32_t host = heir[name];
-    if (names[host] != 0 || memory.bends[host] != 0) names[piece] = names[host];
+    if (memory.own[host] != 0 || memory.bends[host] != 0) names[piece] = memory.own[host];
   }
 }
 

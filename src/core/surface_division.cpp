@@ -57,7 +57,11 @@ class Divider {
       if (!sumSides()) return;
       const SurfacePlane near(near_), beyond(beyond_);
       changes = assignCells(near, beyond);
-      if (!changes || round + 1 == kRounds) changes = joinPatches(near, beyond);
+      if (round + 1 == kRounds) {
+        while (joinPatches(near, beyond)) continue;  // each time fewer are apart
+      } else if (!changes) {
+        changes = joinPatches(near, beyond);
+      }
     }
     if (!sumSides()) return;
     int border = 0;
@@ -122,18 +126,19 @@ class Divider {
     for (int k = 0; k < count; ++k) {
       if (k == largest[0] || k == largest[1]) continue;
       const char side = side_[members[begin[k]]];
-      double stays = 0.0;  // what it gains by staying
-      bool apart = true;   // unless what was around it has gone over
+      double stays = 0.0;       // what it gains by staying
+      int around = 0, own = 0;  // links to others, and to those of its side: what was around it may have gone over
       for (int m = begin[k]; m < begin[k + 1]; ++m) {
         const int i = members[m];
         stays += (side != 0 ? -1.0 : 1.0) * lossOf(i, near, beyond);
         for (const int* j = linksOf(i); j != linksEnd(i); ++j) {
           if (memory_.patch[*j] == k) continue;
-          apart = apart && side_[*j] != side;
-          stays -= kNeighbour;
+          ++around;
+          own += side_[*j] == side ? 1 : 0;
         }
       }
-      if (!apart || stays >= kPatch) continue;
+      stays -= kNeighbour * around;
+      if (around == 0 || own > 0 || stays >= kPatch) continue;
       for (int m = begin[k]; m < begin[k + 1]; ++m) side_[members[m]] = side != 0 ? 0 : 1;
       changes = true;
     }

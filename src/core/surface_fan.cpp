@@ -72,7 +72,7 @@ class CommonSurface {
  private:
   double allowed(double weight) const {
     const double points = a_.region.stride * a_.region.samples.used + b_.region.stride * b_.region.samples.used;
-    const double distance = tolerance_.forNoise(std::sqrt(points / weight)).sigma_distance;
+    const double sigma = std::max(a_.region.sigma, b_.region.sigma), distance = tolerance_.forNoise(sigma).sigma_distance;
     return tolerance_.inflation * points + distance * distance * weight;
   }
 

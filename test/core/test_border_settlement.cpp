@@ -177,6 +177,25 @@ TEST(SettleBorders, ASoftEdgeStaysWithItsPlane) {
   EXPECT_NE(out.labels[corner.grid.index(30, 50)], out.labels[corner.grid.index(30, 20)]);
 }
 
+// Whichever comes first: a plane may be the soft edge of another one by now.
+TEST(SettleBorders, SoftEdgesGetTheirPlanesOwnNames) {
+  Corner corner;
+  corner.start([](int, int c) { return c < 40 ? 1 : c < 53 ? 3 : c < 66 ? 2 : 4; });
+  const std::int32_t left = corner.pieceAt(30, 46), middle = corner.pieceAt(30, 60), right = corner.pieceAt(30, 73);
+  for (const auto& [from, to] : {std::pair(left, right), std::pair(right, left)}) {
+    corner.pieces.names[from] = middle;
+    corner.pieces.names[middle] = to;
+    corner.pieces.names[to] = to;
+    const LabelImage out = corner.settle();
+    const auto label = [&](std::int32_t piece) {
+      return out.labels[corner.grid.index(30, piece == left ? 46 : piece == right ? 73 : 60)];
+    };
+    EXPECT_GT(label(from), 0);
+    EXPECT_EQ(label(middle), label(to));
+    EXPECT_NE(label(from), label(to));
+  }
+}
+
 TEST(SettleBorders, LeavesAnImageWithoutLabelsAlone) {
   Corner corner;
   corner.start([](int, int) { return 0; });

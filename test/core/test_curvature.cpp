@@ -6,6 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace ppc {
 namespace {
 
@@ -151,6 +154,18 @@ TEST(DropCurvedRegions, KeepsSmallFacesOfACreaseThatAFineSensorSees) {
   const std::vector<std::int32_t> before = scene.labels.labels;
   scene.drop(kMaxTurn, fine);
   EXPECT_EQ(scene.labels.labels, before);
+}
+
+// Noise across strips at the limb is a fraction of that along the range: no reason to test them as a fine sensor's.
+TEST(DropCurvedRegions, ClearsStripsOfAFanThatBeamsGraze) {
+  const NoiseModel noise(SensorModel{0.003, 0.003, 10.0, 0.0}, 1.0);
+  Scene scene({column(4.0, 0.0, 1.0)}, 0.003);
+  scene.stripsOfColumn(0.3, 1.4);
+  const std::int32_t last = *std::max_element(scene.labels.labels.begin(), scene.labels.labels.end());
+  for (std::int32_t& label : scene.labels.labels) label = label >= last - 2 ? label : 0;
+  ASSERT_LT(countOf(scene.labels, 0), scene.grid.size() - 1000);
+  scene.drop(kMaxTurn, noise);
+  EXPECT_GT(countOf(scene.labels, 0), scene.grid.size() - 10);
 }
 
 TEST(DropCurvedRegions, KeepsABowedWall) {

@@ -123,6 +123,26 @@ TEST(DivideSurface, KeepsAPatchApartOnlyIfItGainsByIt) {
   EXPECT_TRUE(isApart(1.3F));
 }
 
+// Cells that link to no other take the nearer plane, and that is that.
+TEST(DivideSurface, EndsThoughCellsLieByThemselves) {
+  Region region = doorBehind(0.02);
+  std::vector<SurfaceCell> cells = region.surface;
+  const std::size_t linked = cells.size();
+  for (std::size_t k = 0; k < linked; k += 5) {
+    cells.push_back(region.surface[k]);
+    region.links.begin.push_back(region.links.begin.back());
+  }
+  DivisionMemory memory;
+  SurfaceDivision division;
+  divideSurface(cells, region.links, bestCut(cells, 100), 100, memory, division);
+  ASSERT_EQ(division.beyond.size(), cells.size());
+  int apart = 0;
+  for (std::size_t i = linked, k = 0; i < cells.size(); ++i, k += 5) {
+    apart += division.beyond[i] != division.beyond[k] ? 1 : 0;
+  }
+  EXPECT_LT(apart, 0.2 * static_cast<double>(cells.size() - linked));
+}
+
 TEST(DivideSurface, LeavesFewPointsOnNeitherSide) {
   const Region region = doorBehind(0.02);
   DivisionMemory memory;

@@ -44,6 +44,7 @@ struct BorderMemory {
   std::vector<std::int32_t> origin;         ///< of each new piece, the one before that shares most points with it
   std::vector<int> points;                  ///< of pieces
   std::vector<std::int32_t> names;          ///< of the new pieces
+  std::vector<std::int32_t> own;            ///< the same before soft edges get those of their planes
   std::vector<char> bends;                  ///< whether each new piece is one with what bends
   std::vector<LabelRun> settled;            ///< runs of the labels in the end
   std::vector<std::vector<LabelRun>> rest;  ///< those of each part but the first one

@@ -13,8 +13,9 @@ namespace ppc {
 
 /// @brief A region: its plane, at first by total least squares, and samples near that plane.
 struct RegionSamples {
-  int points = 0;  ///< of the region; 0 if too few of its pixels were sampled for a plane
-  int stride = 1;  ///< pixels a sample stands for
+  int points = 0;      ///< of the region; 0 if too few of its pixels were sampled for a plane
+  int stride = 1;      ///< pixels a sample stands for
+  double sigma = 0.0;  ///< noise of the ranges in its middle [m]
   Plane plane;
   SurfaceSamples samples;
 };
