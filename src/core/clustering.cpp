@@ -174,15 +174,19 @@ void weighAndGatePatches(const NoiseModel& noise, const CoplanarityTolerance& to
 }
 
 double estimateInflation(const PatchGrid& grid) {
-  std::vector<double> scratch;
-  return estimateInflation(grid, scratch);
+  InflationMemory memory;
+  for (int part = 0; part < InflationMemory::kParts; ++part) sampleInflation(grid, part, memory);
+  return inflationOf(memory);
 }
 
-double estimateInflation(const PatchGrid& grid, std::vector<double>& excesses) {
+void sampleInflation(const PatchGrid& grid, int part, InflationMemory& memory) {
+  std::vector<double>& excesses = memory.excesses[static_cast<std::size_t>(part)];
   excesses.clear();
   const int count = static_cast<int>(grid.patches.size());
   const int stride = std::max(1, count / kInflationPatches);  // a sample tells as much as all
-  for (int i = 0; i < count; i += stride) {
+  const int samples = (count + stride - 1) / stride, end = partBegin(samples, InflationMemory::kParts, part + 1);
+  for (int k = partBegin(samples, InflationMemory::kParts, part); k < end; ++k) {
+    const int i = k * stride;
     const Patch& patch = grid.patches[i];
     if (!patch.planar) continue;
     grid.forEachNeighbour(i, [&](int j) {
@@ -191,10 +195,17 @@ double estimateInflation(const PatchGrid& grid, std::vector<double>& excesses) {
       excesses.push_back(excess(patch.moments, patch.fit, other.moments, other.fit));
     });
   }
-  if (excesses.size() < 100) return 1.0;
+}
+
+double inflationOf(InflationMemory& memory) {
+  std::vector<double>& all = memory.excesses[0];
+  for (std::size_t part = 1; part < memory.excesses.size(); ++part) {
+    all.insert(all.end(), memory.excesses[part].begin(), memory.excesses[part].end());
+  }
+  if (all.size() < 100) return 1.0;
   constexpr double kChiSquare3Quantile = 1.4237;  // 30 %
-  const auto rank = static_cast<std::size_t>(0.3 * static_cast<double>(excesses.size()));
-  return std::clamp(valueOfRank(excesses, rank) / kChiSquare3Quantile, 1.0, 25.0);
+  const auto rank = static_cast<std::size_t>(0.3 * static_cast<double>(all.size()));
+  return std::clamp(valueOfRank(all, rank) / kChiSquare3Quantile, 1.0, 25.0);
 }
 
 PatchClusters growClusters(const PatchGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/noise_correlation.h"
 
+#include "patch_plane_clustering/core/part_queue.h"
 #include "patch_plane_clustering/core/quantile.h"
 
 #include <algorithm>
@@ -41,16 +42,19 @@ bool sumSquare(const PatchGrid& grid, int row, int col, int height, int side, Mo
 
 NoiseCorrelation measureCorrelation(const PatchGrid& grid, double inflation) {
   CorrelationMemory memory;
-  sampleCorrelation(grid, memory);
+  for (int part = 0; part < CorrelationMemory::kParts; ++part) sampleCorrelation(grid, part, memory);
   return correlationOf(memory, inflation);
 }
 
-void sampleCorrelation(const PatchGrid& grid, CorrelationMemory& memory) {
-  std::vector<double>&excesses = memory.excesses, &variances = memory.variances, &points = memory.points;
+void sampleCorrelation(const PatchGrid& grid, int part, CorrelationMemory& memory) {
+  auto& [excesses, variances, points] = memory.parts[static_cast<std::size_t>(part)];
   for (std::vector<double>* numbers : {&excesses, &variances, &points}) numbers->clear();
   const int count = static_cast<int>(grid.patches.size());
-  const int stride = std::max(1, count / kPatches);
-  for (int i = 0; i < count; i += stride) {
+  const int stride = std::max(1, count / kPatches), squares = (count + stride - 1) / stride;
+  const int begin = partBegin(squares, CorrelationMemory::kParts, part);
+  const int end = partBegin(squares, CorrelationMemory::kParts, part + 1);
+  for (int square = begin; square < end; ++square) {
+    const int i = square * stride;
     const Patch& patch = grid.patches[i];
     const int height = patch.row_end - patch.row_begin;
     Moments a;
@@ -73,7 +77,13 @@ void sampleCorrelation(const PatchGrid& grid, CorrelationMemory& memory) {
 }
 
 NoiseCorrelation correlationOf(CorrelationMemory& memory, double inflation) {
-  std::vector<double>&excesses = memory.excesses, &variances = memory.variances, &points = memory.points;
+  auto& [excesses, variances, points] = memory.parts[0];
+  for (std::size_t part = 1; part < memory.parts.size(); ++part) {
+    const CorrelationMemory::Samples& more = memory.parts[part];
+    excesses.insert(excesses.end(), more.excesses.begin(), more.excesses.end());
+    variances.insert(variances.end(), more.variances.begin(), more.variances.end());
+    points.insert(points.end(), more.points.begin(), more.points.end());
+  }
   NoiseCorrelation found;
   found.points = points.empty() ? 1.0 : quantile(points, 0.5);
   if (excesses.size() < kMinPairs) return found;

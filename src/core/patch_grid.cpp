@@ -151,42 +151,33 @@ class PatchFitter {
   int count_ = 0;
 };
 
-// How many patches there are before each part of the bands.
-void countBefore(int bands, int parts, int threads, const PatchGrid& grid, std::vector<int>& before) {
-  before.assign(static_cast<std::size_t>(parts), 0);
-  forEachPart(threads, parts - 1, [&](int part) {
+// How many patches there are before each part of the bands, and in all.
+void countBefore(int bands, int threads, bool all, const PatchGrid& grid, std::vector<int>& before) {
+  const int parts = static_cast<int>(before.size()) - 1;
+  before[0] = 0;
+  forEachPart(all ? 1 : threads, parts, [&](int part) {
     int count = 0;
     forEachBlock(grid, partBegin(bands, parts, part), partBegin(bands, parts, part + 1),
-                 [&](int strip, int k) { count += grid.patch_of_block[grid.strip_begin[strip] + k] + 1; });
+                 [&](int strip, int k) { count += all ? 1 : grid.patch_of_block[grid.strip_begin[strip] + k] + 1; });
     before[part + 1] = count;
   });
   std::partial_sum(before.begin(), before.end(), before.begin());
 }
 
-// Lists the patches of all blocks or, if labels are given, of those that have a valid pixel without one.
-void listPatches(const BeamGrid& grid, const LabelImage* done, int threads, std::vector<int>& first, PatchGrid& out) {
-  out.patch_of_block.assign(static_cast<std::size_t>(out.strip_begin.back()), done == nullptr ? 0 : -1);
-  if (done != nullptr) {
-    forEachRange(threads, out.strips(), [&](int begin, int end) { markOpenBlocks(grid, *done, begin, end, out); });
-  }
-  int count = 0;
-  for (const int patch : out.patch_of_block) count += patch + 1;
-  out.patches.resize(static_cast<std::size_t>(count));
-  const int bands = bandsOf(out), parts = rangeCount(threads, bands);
-  countBefore(bands, parts, threads, out, first);
-  forEachPart(threads, parts, [&](int part) {
-    int next = first[part];
-    forEachBlock(out, partBegin(bands, parts, part), partBegin(bands, parts, part + 1), [&](int strip, int k) {
-      int& index = out.patch_of_block[out.strip_begin[strip] + k];
-      if (index < 0) return;
-      Patch& patch = out.patches[next];
-      index = next++;
-      patch.row_begin = k * out.strip_rows[strip];
-      patch.row_end = std::min(patch.row_begin + out.strip_rows[strip], grid.rows);
-      patch.col_begin = strip * out.strip_cols;
-      patch.col_end = std::min(patch.col_begin + out.strip_cols, grid.cols);
-    });
+// Numbers and lays out the patches of a band, from `next` on, of all blocks or of those that are marked. Returns what is
+// next.
+int listBand(const BeamGrid& grid, int band, bool all, int next, PatchGrid& out) {
+  forEachBlock(out, band, band + 1, [&](int strip, int k) {
+    int& index = out.patch_of_block[out.strip_begin[strip] + k];
+    if (!all && index < 0) return;
+    Patch& patch = out.patches[next];
+    index = next++;
+    patch.row_begin = k * out.strip_rows[strip];
+    patch.row_end = std::min(patch.row_begin + out.strip_rows[strip], grid.rows);
+    patch.col_begin = strip * out.strip_cols;
+    patch.col_end = std::min(patch.col_begin + out.strip_cols, grid.cols);
   });
+  return next;
 }
 
 // Sums and fits the patches [begin, end).
@@ -208,19 +199,21 @@ void sumPatches(const BeamGrid& grid, int begin, int end, const Choose& choose, 
   }
 }
 
-// All blocks of the image.
-void sumAll(const BeamGrid& grid, int begin, int end, PatchGrid& out) {
-  if (begin == end) return;
-  const auto bandOf = [&out](int p) { return out.patches[p].row_begin / kBandRows * kBandRows; };
-  RowPrefetch rows(grid, bandOf(begin), std::min(grid.rows, bandOf(end - 1) + 2 * kBandRows), 2 * kBandRows + 2,
-                   end - begin);
-  const auto fetch = [&](int p) { rows.step(bandOf(p)); };
-  sumPatches(
-      grid, begin, end, [](int, int) { return fillMask(-1); }, fetch, out);
+// Lists and sums all blocks of bands [first, last), as patches from `begin` to `end`.
+void sumAll(const BeamGrid& grid, int first, int last, int begin, int end, PatchGrid& out) {
+  RowPrefetch rows(grid, first * kBandRows, std::min(grid.rows, (last + 1) * kBandRows), 2 * kBandRows + 2, end - begin);
+  for (int band = first, next = begin; band < last; ++band) {
+    const int from = next;
+    next = listBand(grid, band, true, next, out);
+    sumPatches(
+        grid, from, next, [](int, int) { return fillMask(-1); }, [&](int) { rows.step(band * kBandRows); }, out);
+  }
 }
 
-// Those that are left, here and there, of pixels without a label.
-void sumOpen(const BeamGrid& grid, const LabelImage& done, int begin, int end, PatchGrid& out) {
+// Lists those that are left, here and there, of bands [first, last), and sums their pixels without a label.
+void sumOpen(const BeamGrid& grid, const LabelImage& done, int first, int last, int begin, PatchGrid& out) {
+  int end = begin;
+  for (int band = first; band < last; ++band) end = listBand(grid, band, false, end, out);
   const auto open = [&done](int i, int pixels) { return labelsAt(done, i, pixels) <= LaneMask{}; };
   const auto fetch = [&](int p) {
     if (p + kFetchAhead >= end) return;
@@ -255,12 +248,23 @@ void makePatchGrid(const BeamGrid& grid, int patch_size, const AngularSteps& ste
   out.strip_cols = patch_size;
   out.center = sensorCenter(grid);
   layOut(grid, patch_size, steps, out);
-  listPatches(grid, done, threads, memory.first_patches, out);
-  forEachRange(threads, static_cast<int>(out.patches.size()), [&](int begin, int end) {
-    if (done == nullptr) {
-      sumAll(grid, begin, end, out);
+  const bool all = done == nullptr;
+  out.patch_of_block.resize(static_cast<std::size_t>(out.strip_begin.back()));
+  if (!all) {
+    std::fill(out.patch_of_block.begin(), out.patch_of_block.end(), -1);
+    forEachRange(threads, out.strips(), [&](int begin, int end) { markOpenBlocks(grid, *done, begin, end, out); });
+  }
+  const int bands = bandsOf(out), parts = rangeCount(threads, bands);
+  std::vector<int>& before = memory.patches_before;
+  before.resize(static_cast<std::size_t>(parts) + 1);
+  countBefore(bands, threads, all, out, before);
+  out.patches.resize(static_cast<std::size_t>(before.back()));
+  forEachPart(threads, parts, [&](int part) {
+    const int first = partBegin(bands, parts, part), last = partBegin(bands, parts, part + 1);
+    if (all) {
+      sumAll(grid, first, last, before[part], before[part + 1], out);
     } else {
-      sumOpen(grid, *done, begin, end, out);
+      sumOpen(grid, *done, first, last, before[part], out);
     }
   });
   linkPatches(threads, memory, out);

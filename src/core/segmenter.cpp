@@ -32,13 +32,12 @@ PatchComparison comparisonOf(const Config& config) { return {config.running_plan
 bool estimateCorrelation(const Config& config, NoiseModel& noise, CoplanarityTolerance& tolerance,
                          ClusteringMemory& memory) {
   PatchGrid& patches = memory.patches;
-  forEachPart(config.threads, 2, [&](int part) {
-    if (part == 0) {
-      tolerance.inflation = estimateInflation(patches, memory.excesses);
-    } else {
-      sampleCorrelation(patches, memory.correlation);
-    }
+  static_assert(InflationMemory::kParts == CorrelationMemory::kParts, "sampled side by side");
+  forEachPart(config.threads, InflationMemory::kParts, [&](int part) {
+    sampleInflation(patches, part, memory.inflation);
+    sampleCorrelation(patches, part, memory.correlation);
   });
+  tolerance.inflation = inflationOf(memory.inflation);
   const NoiseCorrelation found = correlationOf(memory.correlation, tolerance.inflation);
   tolerance.inflation_growth = found.growth;
   tolerance.patch_points = found.points;
@@ -90,6 +89,7 @@ LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vecto
 
 void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMemory& memory, LabelImage& labels,
                     std::vector<StageTime>* stages) {
+  const WorkerPool::Alert alert(WorkerPool::ofProcess(), config.threads);
   StageTimer timer(stages);
   const LineErrors line_errors =
       config.noise_aware ? estimateLineErrors(measured, memory.lines, config.threads) : LineErrors();
@@ -235,6 +235,7 @@ void segment(const BeamGrid& grid, const Config& config, ClusteringMemory& memor
 }
 
 void finishSegmentation(const BeamGrid& grid, const Config& config, FinishingMemory& memory, Segmentation& result) {
+  const WorkerPool::Alert alert(WorkerPool::ofProcess(), config.threads);
   LabelImage& labels = result.labels;
   StageTimer timer(&result.stages);
   std::vector<LabelRun>& runs = memory.runs;

@@ -12,14 +12,14 @@ namespace {
 
 constexpr std::chrono::microseconds kLookOut{50};
 
-// Waits for a short time until it is `time`, while others may have the processor.
-template <typename Time>
-void lookOut(const Time& time) {
-  const auto end = std::chrono::steady_clock::now() + kLookOut;
-  while (!time() && std::chrono::steady_clock::now() < end) std::this_thread::yield();
-}
-
 }  // namespace
+
+// Waits until it is `time`, for a short time or for as long as there is an alert, while others may have the processor.
+template <typename Time>
+void WorkerPool::lookOut(const Time& time) const {
+  const auto end = std::chrono::steady_clock::now() + kLookOut;
+  while (!time() && (alerts_ > 0 || std::chrono::steady_clock::now() < end)) std::this_thread::yield();
+}
 
 WorkerPool& WorkerPool::ofProcess() {
   static WorkerPool pool;
@@ -63,8 +63,9 @@ void WorkerPool::serve() {
     lock.unlock();
     lookOut(awaited);
     lock.lock();
+    if (alerts_ > 0) continue;
     ++asleep_;
-    called_.wait(lock, awaited);
+    called_.wait(lock, [&] { return awaited() || alerts_ > 0; });
     --asleep_;
   }
 }
@@ -107,6 +108,18 @@ void WorkerPool::run(int workers, const std::function<void(int)>& f) {
   wanted_ -= others;
   lock.unlock();
   if (call.error) std::rethrow_exception(call.error);
+}
+
+WorkerPool::Alert::Alert(WorkerPool& pool, int threads) {
+  if (threads <= 1 || threads > static_cast<int>(std::thread::hardware_concurrency())) return;
+  pool_ = &pool;
+  const std::lock_guard<std::mutex> lock(pool.mutex_);
+  ++pool.alerts_;
+  for (int woken = std::min(threads - 1, pool.asleep_); woken > 0; --woken) pool.called_.notify_one();
+}
+
+WorkerPool::Alert::~Alert() {
+  if (pool_ != nullptr) --pool_->alerts_;
 }
 
 WorkerPool::Beside::Beside(WorkerPool& pool, int threads, std::function<void(int)> f)

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <atomic>
 #include <chrono>
+#include <ctime>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -205,6 +206,36 @@ TEST(WorkerPoolBeside, PassesTheExceptionOnAndMayBeGivenUp) {
   Calls calls(2);
   pool.run(2, [&](int worker) { calls.add(worker); });  // still serves
   EXPECT_TRUE(calls.allAre(1));
+}
+
+// Processor time of the process over a time in which nobody calls.
+double idleTime(WorkerPool& pool, int threads, double seconds) {
+  pool.run(2, [](int) {});
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // all sleep
+  const WorkerPool::Alert alert(pool, threads);
+  const std::clock_t begin = std::clock();
+  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+  return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+}
+
+TEST(WorkerPoolAlert, KeepsThreadsAwakeWhileThereIsOne) {
+  if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "no alert on one processor";
+  WorkerPool pool;
+  constexpr double kTime = 0.2;
+  EXPECT_GT(idleTime(pool, 2, kTime), 0.1 * kTime);
+  EXPECT_LT(idleTime(pool, 1, kTime), 0.1 * kTime);
+  EXPECT_LT(idleTime(pool, 1000, kTime), 0.1 * kTime);  // they would only take turns
+}
+
+TEST(WorkerPoolAlert, LosesNoCall) {
+  WorkerPool pool;
+  std::atomic<int> count{0};
+  for (int k = 0; k < 200; ++k) {
+    const WorkerPool::Alert outer(pool, 2), inner(pool, 2);
+    if (k % 20 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    pool.run(2, [&](int) { ++count; });
+  }
+  EXPECT_EQ(count, 400);
 }
 
 TEST(WorkerPool, EndsWhateverItsThreadsAreDoing) {

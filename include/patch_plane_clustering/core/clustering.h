@@ -5,6 +5,7 @@
 #include "patch_plane_clustering/core/patch_grid.h"
 #include "patch_plane_clustering/core/similarity.h"
 
+#include <array>
 #include <utility>
 #include <vector>
 
@@ -66,8 +67,15 @@ void weighAndGatePatches(const NoiseModel& noise, const CoplanarityTolerance& to
 /// @brief How much more the planes of neighbouring patches differ than white noise explains: noise that is correlated along
 /// a line, or shared by a whole line, does not average out within a patch. From a low quantile over all pairs. At least 1.
 double estimateInflation(const PatchGrid& grid);
-/// @param scratch overwritten.
-double estimateInflation(const PatchGrid& grid, std::vector<double>& scratch);
+
+/// @brief The same in two steps: samples of all parts [0, InflationMemory::kParts) of the patches, several at a time if
+/// there are threads for them, and what they tell.
+struct InflationMemory {
+  static constexpr int kParts = 8;
+  std::array<std::vector<double>, kParts> excesses;
+};
+void sampleInflation(const PatchGrid& grid, int part, InflationMemory& memory);
+double inflationOf(InflationMemory& memory);
 
 /// @brief With what, and by which measure, a patch is compared before it joins a cluster.
 struct PatchComparison {

@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/patch_grid.h"
 
+#include <array>
 #include <vector>
 
 namespace ppc {
@@ -17,7 +18,11 @@ struct NoiseCorrelation {
 
 /// @brief Working memory of measureCorrelation(), which one image after the other may use.
 struct CorrelationMemory {
-  std::vector<double> excesses, variances, points;
+  static constexpr int kParts = 8;  ///< of the squares, which may be sampled at a time
+  struct Samples {
+    std::vector<double> excesses, variances, points;
+  };
+  std::array<Samples, kParts> parts;
 };
 
 /// @brief Measures both from low quantiles over squares of planar patches; nothing is found in white noise or in images of
@@ -25,8 +30,9 @@ struct CorrelationMemory {
 /// (estimateInflation).
 NoiseCorrelation measureCorrelation(const PatchGrid& grid, double inflation);
 
-/// @brief The same in two steps, of which the first does not need the inflation.
-void sampleCorrelation(const PatchGrid& grid, CorrelationMemory& memory);
+/// @brief The same in two steps, of which the first does not need the inflation: all parts [0, CorrelationMemory::kParts),
+/// several at a time if there are threads for them.
+void sampleCorrelation(const PatchGrid& grid, int part, CorrelationMemory& memory);
 NoiseCorrelation correlationOf(CorrelationMemory& memory, double inflation);
 
 }  // namespace ppc

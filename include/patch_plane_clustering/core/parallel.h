@@ -64,7 +64,7 @@ class Beside {
 
 /// How many ranges forEachRange() makes of [0, count).
 inline int rangeCount(int threads, int count) {
-  constexpr int kRangesPerThread = 4;  // the ranges are not equally hard
+  constexpr int kRangesPerThread = 8;  // the ranges are not equally hard
   return threads > 1 ? std::max(1, std::min(threads * kRangesPerThread, count)) : 1;
 }
 

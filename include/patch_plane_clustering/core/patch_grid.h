@@ -65,7 +65,7 @@ struct AngularSteps {
 /// @brief Working memory of measureSteps() and makePatchGrid(), which one image after the other may use.
 struct PatchGridMemory {
   std::vector<std::vector<double>> angles;  ///< of one column, or all; one list a thread
-  std::vector<int> first_patches;           ///< of each part of the bands
+  std::vector<int> patches_before;          ///< each part of the bands, and in all
   std::vector<std::vector<int>> links;      ///< neighbours of each part of the bands but the first one
   std::vector<int> link_counts;             ///< of each part
 };

@@ -39,7 +39,7 @@ struct ClusteringMemory {
   BeamGrid corrected;  ///< the image without errors of whole lines
   NoiseMemory noise;
   CorrelationMemory correlation;
-  std::vector<double> excesses;
+  InflationMemory inflation;
   AngularSteps steps;
   PatchGridMemory patch_grids;
   PatchGrid patches, small_patches;

@@ -13,8 +13,8 @@
 namespace ppc {
 
 /// @brief Threads that stay, for work too short to make threads for it. After some they look out for more for about as long
-/// as it would take to wake them (50 us), then sleep. Thread safe: several threads may call run() at a time, also from
-/// within f.
+/// as it would take to wake them (50 us), then sleep; as long as there is a WorkerPool::Alert, they do not sleep. Thread
+/// safe: several threads may call run() at a time, also from within f.
 class WorkerPool {
  public:
   WorkerPool() = default;
@@ -36,6 +36,11 @@ class WorkerPool {
   /// for none beyond those that other calls do: so that a caller who keeps to a number of threads keeps to it meanwhile.
   class Beside;
 
+  /// @brief While there is one, threads of the pool look out for work without sleeping, and let others have the processor.
+  /// For a task of some milliseconds that calls run() every now and then: to wake a thread takes 20 to 50 us, more where a
+  /// hypervisor has to be asked.
+  class Alert;
+
  private:
   struct Call {
     const std::function<void(int)>& f;
@@ -51,15 +56,31 @@ class WorkerPool {
   void open(Call& call);
   void finish(Call& call, std::unique_lock<std::mutex>& lock);
   void work(Call& call, std::unique_lock<std::mutex>& lock);
+  template <typename Time>
+  void lookOut(const Time& time) const;
 
   std::mutex mutex_;  // guards all that follows, and the calls
   std::condition_variable called_, done_;
   std::vector<Call*> open_;            // calls with workers that no thread has taken, oldest first
   std::atomic<bool> any_open_{false};  // to look out for without the lock; changed with it, as `ending_`
   std::atomic<bool> ending_{false};
+  std::atomic<int> alerts_{0};    // likewise
   std::size_t wanted_ = 0;        // threads that the calls under way ask for
   int asleep_ = 0, waiting_ = 0;  // threads of the pool, and callers, that must be woken
   std::vector<std::thread> threads_;
+};
+
+class WorkerPool::Alert {
+ public:
+  /// @param threads that the task may use, the caller's among them; with one, or more than there are processors, there is no
+  /// alert.
+  Alert(WorkerPool& pool, int threads);
+  ~Alert();
+  Alert(const Alert&) = delete;
+  Alert& operator=(const Alert&) = delete;
+
+ private:
+  WorkerPool* pool_ = nullptr;
 };
 
 class WorkerPool::Beside {
