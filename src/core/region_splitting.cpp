@@ -19,13 +19,18 @@ constexpr double kLargeMisfit = 1.03, kLargeGain = 1.4;
 // Of divisions, gain over that of a quadratic surface: of parallel sides and of others, as strips of what bends more than
 // such a surface does are turned against each other.
 constexpr double kParallelGain = 1.3, kTurnedGain = 2.2;
-constexpr double kDivisionGain = 2.0;   // over that of a straight cut, where there is one that will do
-constexpr double kLeastMisfit = 0.98;   // chi-square of a point below which no division is looked for
-constexpr double kWinding = 8.0;        // border over the root of a side's cells: a square has 4, what follows lines more
-constexpr double kDivisionLeft = 0.3;   // beyond noise, over what a division explains: there may be a third plane
-constexpr double kSignificance = 30.0;  // of a cut, over one plane and one quadratic surface: far beyond chi-square
-constexpr double kMostLeft = 3.0;       // beyond noise, over what two planes explain, where there may be a third one
-constexpr double kMinSide = 0.25;       // points of a side over those of a region, as in the second pass
+constexpr double kDivisionGain = 2.0;  // over that of a straight cut, where there is one that will do
+constexpr double kLeastMisfit = 0.98;  // chi-square of a point below which no division is looked for
+constexpr double kWinding = 8.0;       // border over the root of a side's cells: a square has 4, what follows lines more
+constexpr double kDivisionLeft = 0.3;  // beyond noise, over what a division explains: there may be a third plane
+constexpr double kStepLeft = 0.6;      // likewise, if there is a step for certain
+constexpr double kStepHeight =
+    0.6;  // of a step from cell to cell, in the tolerance: cells at an edge have part in both sides
+constexpr double kCreaseCosine = 0.9976;  // between planes, 4 degrees
+constexpr double kCreaseGain = 4.0;       // of a crease over a quadratic surface, over what noise may leave
+constexpr double kSignificance = 30.0;    // of a cut, over one plane and one quadratic surface: far beyond chi-square
+constexpr double kMostLeft = 3.0;         // beyond noise, over what two planes explain, where there may be a third one
+constexpr double kMinSide = 0.25;         // points of a side over those of a region, as in the second pass
 
 using Place = LabelSplitMemory::Place;
 using Part = LabelSplitMemory::Part;
@@ -149,7 +154,7 @@ class LabelSplitter {
     if (!may_cut && !may_divide) return false;
     const double bow = bowGain(surface);
     const bool is_cut = may_cut && isSplitByCut(part, cut, bow, fit, surface, work.cut);
-    const bool is_divided = may_divide && isSplitByDivision(part, work.division, bow, fit, split);
+    const bool is_divided = may_divide && isSplitByDivision(part, work, bow, fit, split);
     const double least = large ? cut.gain : kDivisionGain * cut.gain;
     if (is_cut && !(is_divided && work.division.score() > least)) split = work.cut;
     return is_cut || is_divided;
@@ -180,15 +185,51 @@ class LabelSplitter {
     return division.border <= kWinding * std::sqrt(static_cast<double>(std::min(beyond, count - beyond)));
   }
 
-  bool isSplitByDivision(const Part& part, const SurfaceDivision& division, double bow, const PlaneFit& fit,
-                         LabelSplit& split) const {
+  bool isSplitByDivision(const Part& part, const Work& work, double bow, const PlaneFit& fit, LabelSplit& split) const {
+    const SurfaceDivision& division = work.division;
     if (!(division.score() >= bow + significance())) return false;
     split.beyond = division.beyond;
     if (!fitSides(part, split)) return false;
+    if (isCrease(split, division, bow)) return true;
     const bool large = isLarge(part), parallel = split.areParallel();
     if (!(division.score() >= (parallel ? kParallelGain : kTurnedGain) * bow) || (large && !parallel)) return false;
-    return split.leftOver() < std::max(split.noise(tolerance_), kDivisionLeft * division.gain) &&
-           split.isBeyond(tolerance_, noise_, fit);
+    const double left = split.leftOver(), noise = split.noise(tolerance_);
+    if (left < std::max(noise, kDivisionLeft * division.gain) && split.isBeyond(tolerance_, noise_, fit)) return true;
+    return parallel && left < std::max(noise, kStepLeft * division.gain) && isStep(part, work, fit);
+  }
+
+  // Whether a sensor is fine enough at a range for its tolerance to shrink with the noise.
+  bool isFine(double range) const {
+    return tolerance_.forNoise(noise_.sigma(range)).sigma_distance < tolerance_.sigma_distance;
+  }
+
+  // Whether a fine sensor tells a crease for certain: two planes leave no more than noise, and one quadratic surface far
+  // more.
+  bool isCrease(const LabelSplit& split, const SurfaceDivision& division, double bow) const {
+    const double noise = split.noise(tolerance_);
+    return split.low.fit.normal().dot(split.high.fit.normal()) < kCreaseCosine && split.leftOver() < noise &&
+           division.gain - bow > kCreaseGain * noise && isFine((split.low.sum + split.high.sum).mean().norm());
+  }
+
+  // Whether the border of a division is a step that a fine sensor tells from waves: cells on both sides of it differ
+  // already.
+  bool isStep(const Part& part, const Work& work, const PlaneFit& fit) const {
+    const std::vector<char>& beyond = work.division.beyond;
+    const SurfaceLinks& links = work.links;
+    Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();
+    for (int i = 0; i < sizeOf(part); ++i) {
+      if (beyond[i] == 0) continue;
+      for (int k = links.begin[i]; k < links.begin[i + 1]; ++k) {
+        const int j = links.cells[k];
+        if (beyond[j] != 0) continue;
+        low += momentsOf(places_[part.begin + j]).mean();
+        high += momentsOf(places_[part.begin + i]).mean();
+      }
+    }
+    const int count = work.division.border;
+    if (count == 0) return false;
+    const double range = (low + high).norm() / (2 * count), step = std::abs(fit.normal().dot(high - low)) / count;
+    return isFine(range) && step > kStepHeight * tolerance_.forNoise(noise_.sigma(range)).sigma_distance;
   }
 
   // Which cells of a part share an edge.

@@ -7,35 +7,41 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <vector>
+
 namespace ppc {
 namespace {
 
 using namespace testing_tools;
 
 const NoiseModel kNoise(SensorModel{0.01, 0.01, 10.0, 0.0}, 1.0);
+constexpr double kFine = 0.001;  // noise of a fine sensor [m]
 
 // All that is measured as one label.
 struct Scene {
+  NoiseModel noise;
   BeamGrid grid;
   LabelImage truth, labels;
   PatchGrid cells;
   CellShares shares;
 
-  explicit Scene(const std::vector<Surface>& surfaces, double step = 0.005)
-      : grid(forwardBeams(static_cast<int>(0.2 / step), static_cast<int>(0.3 / step), step)) {
+  explicit Scene(const std::vector<Surface>& surfaces, double step = 0.005, double sigma = 0.01)
+      : noise(SensorModel{sigma, sigma, 10.0, 0.0}, 1.0),
+        grid(forwardBeams(static_cast<int>(0.2 / step), static_cast<int>(0.3 / step), step)) {
     truth = scan(surfaces, grid);
-    addNoise(grid, 0.01);
+    addNoise(grid, sigma);
     labels = truth;
     for (std::int32_t& label : labels.labels) label = label > 0 ? 1 : 0;
     cells = makePatchGrid(grid, 4, true);
-    weighPatches(kNoise, cells);
-    shares = shareCells(grid, cells, kNoise, labels);
+    weighPatches(noise, cells);
+    shares = shareCells(grid, cells, noise, labels);
   }
 
   bool split(double inflation = 1.0, int smallest = 350, int threads = 1) {
     const CoplanarityTolerance tolerance{0.005, 0.005, inflation};
     LabelSplitMemory memory;
-    return splitLabels(grid, cells, kNoise, tolerance, smallest, memory, shares, labels, threads);
+    return splitLabels(grid, cells, noise, tolerance, smallest, memory, shares, labels, threads);
   }
 
   int count() const { return static_cast<int>(shares.sums.size()) - 1; }
@@ -84,12 +90,49 @@ TEST(SplitLabels, LeavesPlanesAndCurvedSurfacesWhole) {
   const Surface sag = column(23.0, 0.0, 20.0);
   for (const Surface& surface :
        {kWall, wall({-1.0, 2.0, 0.5}, -3.0), column(4.0, 0.0, 1.0), sag, ball({4.0, 0.0, 0.0}, 1.5)}) {
-    Scene scene({surface});
-    const std::vector<std::int32_t> before = scene.labels.labels;
-    EXPECT_FALSE(scene.split());
-    EXPECT_EQ(scene.count(), 1);
-    EXPECT_EQ(scene.labels.labels, before);
+    for (const double sigma : {0.01, kFine}) {
+      Scene scene({surface}, 0.005, sigma);
+      const std::vector<std::int32_t> before = scene.labels.labels;
+      EXPECT_FALSE(scene.split());
+      EXPECT_EQ(scene.count(), 1);
+      EXPECT_EQ(scene.labels.labels, before);
+    }
   }
+}
+
+TEST(SplitLabels, TellsLowStepsOfAFineSensorFromWaves) {
+  const auto block = [](const Eigen::Vector3d& p) { return p.y() > -0.25 && p.y() < 0.1 && p.z() < 0.1; };
+  const std::vector<Surface> faces = {
+      surfaceOf({{-Eigen::Vector3d::UnitX(), -2.9975}, block}),
+      surfaceOf({{-Eigen::Vector3d::UnitX(), -3.0}, [&](const Eigen::Vector3d& p) { return !block(p); }})};
+  Scene coarse(faces, 0.0025), fine(faces, 0.0025, kFine);
+  EXPECT_FALSE(coarse.split());
+  EXPECT_TRUE(fine.split());
+  ASSERT_EQ(fine.count(), 2);
+  EXPECT_GT(fine.common(2, 1), 0.95 * countOf(fine.truth, 2));
+  EXPECT_GT(fine.common(1, 2), 0.9 * countOf(fine.truth, 1));
+  Scene waves({[](const Eigen::Vector3d&, const Eigen::Vector3d& u) {  // of as much in all
+                double t = 3.0 / u.x();
+                for (int k = 0; k < 5; ++k) t = (3.0 - 0.00125 * std::sin(10.0 * t * u.y())) / u.x();
+                return t;
+              }},
+              0.0025, kFine);
+  waves.split();
+  EXPECT_EQ(waves.count(), 1);
+}
+
+TEST(SplitLabels, TellsLowCreasesOfAFineSensorFromBows) {
+  const std::vector<Surface> crease = {wall({-1.0, 0.05, 0.0}, -3.0), wall({-1.0, -0.05, 0.0}, -3.0)};  // 6 degrees
+  Scene coarse(crease, 0.0025), fine(crease, 0.0025, kFine), bow({column(11.0, 0.0, 8.0)}, 0.0025, kFine);
+  EXPECT_FALSE(coarse.split());
+  EXPECT_FALSE(bow.split());  // by 6 degrees, too
+  EXPECT_TRUE(fine.split());
+  ASSERT_EQ(fine.count(), 2);
+  const std::int32_t left = fine.truth.labels.front(), right = fine.truth.labels.back();
+  ASSERT_NE(left, right);
+  const std::int32_t label = fine.labels.labels.front();
+  EXPECT_GT(fine.common(left, label), 0.95 * countOf(fine.truth, left));
+  EXPECT_LT(fine.common(right, label), 0.05 * countOf(fine.truth, right));
 }
 
 TEST(SplitLabels, LeavesAStepWithinTheToleranceWhole) {
