@@ -14,8 +14,11 @@ constexpr int kLargest = 16;          // times the smallest region: what is larg
 constexpr double kMostInside = 0.7;   // share of the points that touch nothing else
 constexpr double kLeastTouch = 0.05;  // share of what a region touches that makes another one a neighbour
 constexpr int kSample = 100;          // points that are looked at first
+constexpr int kBumpSample = 1000;     // points of a bump and of what is beside it
 constexpr double kExplained = 0.9;    // times what its own plane costs: what planes around may cost
 constexpr double kClearly = 2.0;      // times what its own plane costs: not explained, as few points tell
+constexpr double kBump = 3.0;         // times what a plane costs its own points: what it may cost those of a bump of it
+constexpr int kHostSizes = 4;         // least size of such a plane over the bump's
 constexpr float kFarthest2 = 25.0F;   // squared distance at which a point is an outlier, in variances
 constexpr float kFarthestOf2 = 9.0F;  // and at which it is not of a plane
 
@@ -25,15 +28,16 @@ class Dissolver {
             std::vector<LabelRun>& runs)
       : grid_(grid), planes_(planes), smallest_(smallest), memory_(memory), labels_(labels), runs_(runs) {}
 
-  void dissolveAll() {
+  /// @param correlated whether noise makes bumps.
+  void dissolveAll(bool correlated) {
     memory_.points.assign(planes_.size(), 0);
     for (const LabelRun& run : runs_) memory_.points[run.label] += run.end - run.begin;
-    listThin();
+    listThin(correlated);
     memory_.touches.assign(planes_.size(), 0);
     std::size_t explained = 0;  // by all that is around; but what is none itself is given nothing
     for (const DissolutionMemory::Thin& thin : memory_.thin) {
       lookAt(thin);
-      if (isExplained(thin.label)) memory_.thin[explained++] = thin;
+      if ((thin.is_thin && isExplained(thin.label)) || (correlated && isBump(thin.label))) memory_.thin[explained++] = thin;
     }
     memory_.thin.resize(explained);
     for (const DissolutionMemory::Thin& thin : memory_.thin) memory_.points[thin.label] = 0;
@@ -87,7 +91,8 @@ class Dissolver {
     return countLanes(inside);
   }
 
-  void listThin() {
+  // Lists regions that are thin or, if `all`, also those that are not.
+  void listThin(bool all) {
     std::vector<int>& inside = memory_.inside;
     const auto is_thin = [&](std::int32_t label) {
       return isJudged(label) && inside[label] < kMostInside * memory_.points[label];
@@ -99,7 +104,7 @@ class Dissolver {
     std::vector<LabelRun>& runs = memory_.thin_runs;
     runs.clear();
     for (const LabelRun& run : runs_) {
-      if (is_thin(run.label)) runs.push_back(run);
+      if (all ? isJudged(run.label) : is_thin(run.label)) runs.push_back(run);
     }
     std::sort(runs.begin(), runs.end(), [](const LabelRun& a, const LabelRun& b) {
       return a.label != b.label ? a.label < b.label : a.begin < b.begin;
@@ -111,7 +116,7 @@ class Dissolver {
       for (end = begin; end < runs.size() && runs[end].label == label; ++end) {
         for (int i = runs[end].begin; i < runs[end].end; ++i) inside[label] += isInside(i) ? 1 : 0;
       }
-      if (is_thin(label)) memory_.thin.push_back({label, begin, end});
+      if (all || is_thin(label)) memory_.thin.push_back({label, begin, end, is_thin(label)});
     }
   }
 
@@ -191,6 +196,43 @@ class Dissolver {
     return !memory_.around.empty() && measure(label, kSample, kClearly) && measure(label, memory_.pixels.size(), kExplained);
   }
 
+  // Whether a region is a bump of smooth noise on a much larger one beside it: hardly farther from that one's plane than its
+  // own points are.
+  bool isBump(std::int32_t label) {
+    for (const std::int32_t host : memory_.around) {
+      if (memory_.points[host] < kHostSizes * memory_.points[label]) continue;
+      double sum = 0.0;
+      const std::size_t step = std::max<std::size_t>(1, memory_.pixels.size() / kBumpSample);
+      int count = 0;
+      for (std::size_t p = 0; p < memory_.pixels.size(); p += step, ++count) sum += cost(memory_.pixels[p], host);
+      if (sum < kBump * count * meanCost(host)) return true;
+    }
+    return false;
+  }
+
+  // What a plane costs its own points, a sample of them.
+  double meanCost(std::int32_t label) const {
+    const int step = std::max(1, memory_.points[label] / kBumpSample);
+    double sum = 0.0;
+    int count = 0, next = 0;
+    for (const LabelRun& run : runs_) {
+      if (run.label != label) continue;
+      int i = run.begin + next;
+      for (; i < run.end; i += step) {
+        if (!grid_.valid(i)) continue;
+        sum += cost(i, label);
+        ++count;
+      }
+      next = i - run.end;
+    }
+    return sum / std::max(1, count);
+  }
+
+  float cost(int i, std::int32_t label) const {
+    const auto [sigma, floor] = planes_.errorsAt(i);
+    return cost(i, label, sigma * sigma + floor * floor);
+  }
+
   void giveAway(std::int32_t label) {
     const std::vector<int>& pixels = memory_.pixels;
     const std::size_t count = memory_.around.size() + 1;
@@ -236,7 +278,7 @@ void dissolveRegions(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& p
                      const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, DissolutionMemory& memory,
                      LabelImage& labels, std::vector<LabelRun>& runs) {
   const BeamPlanes of_labels(grid, planes, center, noise, tolerance);
-  Dissolver(grid, of_labels, smallest, memory, labels, runs).dissolveAll();
+  Dissolver(grid, of_labels, smallest, memory, labels, runs).dissolveAll(tolerance.inflation_growth > 0.0);
 }
 
 }  // namespace ppc

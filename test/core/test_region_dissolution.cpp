@@ -47,9 +47,9 @@ struct Step {
     }
   }
 
-  int left(int smallest = kSmallest) {
+  int left(int smallest = kSmallest, const CoplanarityTolerance& tolerance = kTolerance) {
     std::vector<LabelRun> runs = labelRuns(labels);
-    dissolveRegions(grid, planes, Eigen::Vector3d::Zero(), kNoise, kTolerance, smallest, memory, labels, runs);
+    dissolveRegions(grid, planes, Eigen::Vector3d::Zero(), kNoise, tolerance, smallest, memory, labels, runs);
     expectRunsOf(labels, runs);
     return countOf(labels, 3);
   }
@@ -101,6 +101,34 @@ TEST(DissolveRegions, KeepsAWideFaceBetweenTwoOthers) {
     }
     const int before = countOf(step.labels, 3);
     EXPECT_EQ(step.left(200), before) << dropouts;
+  }
+}
+
+// A square of the wall to the left stands off by so many standard deviations of the noise.
+TEST(DissolveRegions, DissolvesBumpsWhereNoiseIsSmooth) {
+  const auto pointsLeft = [](double sigmas, double growth, double share_given) {
+    Step step(0, 0, kNear + sigmas * kSigma);
+    const auto forEachOf = [&](const auto& f) {
+      for (int r = 40; r < 56; ++r) {
+        for (int c = 20; c < 36; ++c) f(step.grid.index(r, c));
+      }
+    };
+    forEachOf([&](int i) {
+      step.labels.labels[i] = 3;
+      step.grid.range[i] += static_cast<float>(sigmas * kSigma);
+    });
+    CoplanarityTolerance tolerance = kTolerance;
+    tolerance.inflation_growth = growth;
+    const int left = step.left(kSmallest, tolerance);
+    int given = 0;
+    forEachOf([&](int i) { given += step.labels.labels[i] == 1 ? 1 : 0; });
+    EXPECT_GE(given, share_given * 16 * 16);
+    return left;
+  };
+  for (const double side : {-1.0, 1.0}) {
+    EXPECT_EQ(pointsLeft(1.0 * side, 0.5, 0.8), 0);
+    EXPECT_EQ(pointsLeft(1.0 * side, 0.0, 0.0), 16 * 16);
+    EXPECT_EQ(pointsLeft(2.5 * side, 0.5, 0.0), 16 * 16);
   }
 }
 

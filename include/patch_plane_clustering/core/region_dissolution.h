@@ -19,11 +19,12 @@ struct DissolutionMemory {
   struct Thin {  ///< a region, and its runs
     std::int32_t label;
     std::size_t begin, end;
+    bool is_thin;  ///< or may be a bump of noise
   };
   std::vector<int> points;           ///< of each label
   std::vector<int> inside;           ///< of each label that is small enough: points that touch no other one
-  std::vector<LabelRun> thin_runs;   ///< those of regions that may be thin, region by region
-  std::vector<Thin> thin;            ///< regions
+  std::vector<LabelRun> thin_runs;   ///< those of regions that may be thin, or bumps, region by region
+  std::vector<Thin> thin;            ///< such regions
   std::vector<int> pixels;           ///< with a measurement, of the region that is looked at
   std::vector<int> touches;          ///< of each label: how often that region touches it
   std::vector<std::int32_t> around;  ///< labels that it touches
@@ -43,6 +44,10 @@ struct DissolutionMemory {
 /// point goes to that region around whose plane fits best over the region's pixels among the nine about it, or to none if
 /// that is 3 standard deviations off. Of two that explain only each other, neither is dissolved. Thread-safe with memory of
 /// one's own.
+///
+/// Where noise is smooth (CoplanarityTolerance::inflation_growth), a bump of it passes for a region on the plane about it,
+/// and no number of its points tells more. There, regions of any shape are dissolved too if beside them is one four times as
+/// large whose plane costs them at most three times what it costs its own points: a face within 1.4 standard deviations.
 /// @param planes a (see moments.h) of every label. @param center origin of the planes [m]. @param smallest points that a
 /// region has at least: what is smaller is neither judged nor given any. @param runs of the labels, see listRuns(); likewise
 /// brought up to date.
