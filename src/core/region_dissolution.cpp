@@ -18,6 +18,7 @@ constexpr int kBumpSample = 1000;     // points of a bump and of what is beside 
 constexpr double kExplained = 0.9;    // times what its own plane costs: what planes around may cost
 constexpr double kClearly = 2.0;      // times what its own plane costs: not explained, as few points tell
 constexpr double kBump = 3.0;         // times what a plane costs its own points: what it may cost those of a bump of it
+constexpr double kMostOfHost = 2.0;   // cost of such a plane's own points that counts: of what fits worse, little is known
 constexpr int kHostSizes = 4;         // least size of such a plane over the bump's
 constexpr float kFarthest2 = 25.0F;   // squared distance at which a point is an outlier, in variances
 constexpr float kFarthestOf2 = 9.0F;  // and at which it is not of a plane
@@ -34,6 +35,7 @@ class Dissolver {
     for (const LabelRun& run : runs_) memory_.points[run.label] += run.end - run.begin;
     listThin(correlated);
     memory_.touches.assign(planes_.size(), 0);
+    memory_.mean_costs.assign(planes_.size(), -1.0F);
     std::size_t explained = 0;  // by all that is around; but what is none itself is given nothing
     for (const DissolutionMemory::Thin& thin : memory_.thin) {
       lookAt(thin);
@@ -91,6 +93,14 @@ class Dissolver {
     return countLanes(inside);
   }
 
+  void countInside(std::int32_t label, std::size_t begin, std::size_t end) {
+    int& count = memory_.inside[label];
+    count = 0;
+    for (std::size_t k = begin; k < end; ++k) {
+      for (int i = memory_.thin_runs[k].begin; i < memory_.thin_runs[k].end; ++i) count += isInside(i) ? 1 : 0;
+    }
+  }
+
   // Lists regions that are thin or, if `all`, also those that are not.
   void listThin(bool all) {
     std::vector<int>& inside = memory_.inside;
@@ -112,10 +122,8 @@ class Dissolver {
     memory_.thin.clear();
     for (std::size_t begin = 0, end = 0; begin < runs.size(); begin = end) {
       const std::int32_t label = runs[begin].label;
-      inside[label] = 0;
-      for (end = begin; end < runs.size() && runs[end].label == label; ++end) {
-        for (int i = runs[end].begin; i < runs[end].end; ++i) inside[label] += isInside(i) ? 1 : 0;
-      }
+      for (end = begin; end < runs.size() && runs[end].label == label;) ++end;
+      if (is_thin(label)) countInside(label, begin, end);
       if (all || is_thin(label)) memory_.thin.push_back({label, begin, end, is_thin(label)});
     }
   }
@@ -196,16 +204,18 @@ class Dissolver {
     return !memory_.around.empty() && measure(label, kSample, kClearly) && measure(label, memory_.pixels.size(), kExplained);
   }
 
-  // Whether a region is a bump of smooth noise on a much larger one beside it: hardly farther from that one's plane than its
-  // own points are.
+  // Whether a region is a bump of smooth noise on a much larger one beside it, which itself stays: hardly farther from that
+  // one's plane than its own points are.
   bool isBump(std::int32_t label) {
     for (const std::int32_t host : memory_.around) {
-      if (memory_.points[host] < kHostSizes * memory_.points[label]) continue;
+      if (isJudged(host) || memory_.points[host] < kHostSizes * memory_.points[label]) continue;
       double sum = 0.0;
       const std::size_t step = std::max<std::size_t>(1, memory_.pixels.size() / kBumpSample);
       int count = 0;
       for (std::size_t p = 0; p < memory_.pixels.size(); p += step, ++count) sum += cost(memory_.pixels[p], host);
-      if (sum < kBump * count * meanCost(host)) return true;
+      float& of_host = memory_.mean_costs[host];
+      if (of_host < 0.0F) of_host = static_cast<float>(meanCost(host));
+      if (sum < kBump * count * std::min<double>(of_host, kMostOfHost)) return true;
     }
     return false;
   }

@@ -60,9 +60,11 @@ void WorkerPool::serve() {
   const auto awaited = [this] { return any_open_ || ending_; };
   while (!ending_) {
     while (!open_.empty()) work(*open_.front(), lock);
+    ++looking_;
     lock.unlock();
     lookOut(awaited);
     lock.lock();
+    --looking_;
     if (alerts_ > 0) continue;
     ++asleep_;
     called_.wait(lock, [&] { return awaited() || alerts_ > 0; });
@@ -76,6 +78,11 @@ void WorkerPool::grow(std::size_t threads) {
   } catch (const std::system_error&) {
     // The system has no more of them: callers do what is left.
   }
+}
+
+// Wakes as many threads as are missing for some more to look out for work. Those that do see what is open before they sleep.
+void WorkerPool::wake(int threads) {
+  for (int woken = std::min(threads - looking_, asleep_); woken > 0; --woken) called_.notify_one();
 }
 
 void WorkerPool::open(Call& call) {
@@ -103,7 +110,7 @@ void WorkerPool::run(int workers, const std::function<void(int)>& f) {
   wanted_ += others;
   grow(wanted_);
   open(call);
-  for (int woken = std::min(workers - 1, asleep_); woken > 0; --woken) called_.notify_one();
+  wake(workers - 1);
   finish(call, lock);
   wanted_ -= others;
   lock.unlock();
@@ -115,11 +122,13 @@ WorkerPool::Alert::Alert(WorkerPool& pool, int threads) {
   pool_ = &pool;
   const std::lock_guard<std::mutex> lock(pool.mutex_);
   ++pool.alerts_;
-  for (int woken = std::min(threads - 1, pool.asleep_); woken > 0; --woken) pool.called_.notify_one();
+  pool.wake(threads - 1);
 }
 
 WorkerPool::Alert::~Alert() {
-  if (pool_ != nullptr) --pool_->alerts_;
+  if (pool_ == nullptr) return;
+  const std::lock_guard<std::mutex> lock(pool_->mutex_);
+  --pool_->alerts_;
 }
 
 WorkerPool::Beside::Beside(WorkerPool& pool, int threads, std::function<void(int)> f)
@@ -129,7 +138,7 @@ WorkerPool::Beside::Beside(WorkerPool& pool, int threads, std::function<void(int
   const std::lock_guard<std::mutex> lock(pool.mutex_);
   pool.grow(std::max<std::size_t>(pool.wanted_, 1));
   pool.open(call_);
-  if (pool.asleep_ > 0) pool.called_.notify_one();
+  pool.wake(1);
 }
 
 WorkerPool::Beside::~Beside() {

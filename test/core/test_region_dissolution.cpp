@@ -106,8 +106,9 @@ TEST(DissolveRegions, KeepsAWideFaceBetweenTwoOthers) {
 
 // A square of the wall to the left stands off by so many standard deviations of the noise.
 TEST(DissolveRegions, DissolvesBumpsWhereNoiseIsSmooth) {
-  const auto pointsLeft = [](double sigmas, double growth, double share_given) {
+  const auto pointsLeft = [](double sigmas, double growth, double share_given, double host_off = 0.0) {
     Step step(0, 0, kNear + sigmas * kSigma);
+    step.planes[1] = Step::at(kNear + host_off * kSigma);
     const auto forEachOf = [&](const auto& f) {
       for (int r = 40; r < 56; ++r) {
         for (int c = 20; c < 36; ++c) f(step.grid.index(r, c));
@@ -129,6 +130,7 @@ TEST(DissolveRegions, DissolvesBumpsWhereNoiseIsSmooth) {
     EXPECT_EQ(pointsLeft(1.0 * side, 0.5, 0.8), 0);
     EXPECT_EQ(pointsLeft(1.0 * side, 0.0, 0.0), 16 * 16);
     EXPECT_EQ(pointsLeft(2.5 * side, 0.5, 0.0), 16 * 16);
+    EXPECT_EQ(pointsLeft(2.5 * side, 0.5, 0.0, -3.0 * side), 16 * 16);  // a plane that fits badly is no reason
   }
 }
 

@@ -69,7 +69,7 @@ void weighAndGatePatches(const NoiseModel& noise, const CoplanarityTolerance& to
 double estimateInflation(const PatchGrid& grid);
 
 /// @brief The same in two steps: samples of all parts [0, InflationMemory::kParts) of the patches, several at a time if
-/// there are threads for them, and what they tell.
+/// there are threads for them, and what they tell, which uses them up.
 struct InflationMemory {
   static constexpr int kParts = 8;
   std::array<std::vector<double>, kParts> excesses;

@@ -31,7 +31,7 @@ struct CorrelationMemory {
 NoiseCorrelation measureCorrelation(const PatchGrid& grid, double inflation);
 
 /// @brief The same in two steps, of which the first does not need the inflation: all parts [0, CorrelationMemory::kParts),
-/// several at a time if there are threads for them.
+/// several at a time if there are threads for them. The second uses the samples up.
 void sampleCorrelation(const PatchGrid& grid, int part, CorrelationMemory& memory);
 NoiseCorrelation correlationOf(CorrelationMemory& memory, double inflation);
 

@@ -28,6 +28,7 @@ struct DissolutionMemory {
   std::vector<int> pixels;           ///< with a measurement, of the region that is looked at
   std::vector<int> touches;          ///< of each label: how often that region touches it
   std::vector<std::int32_t> around;  ///< labels that it touches
+  std::vector<float> mean_costs;     ///< of each label's plane for its own points, -1 until it is asked for
   std::vector<float> costs;          ///< of each pixel for its own plane and for each of those around
   std::vector<int> place;            ///< of a pixel of the image in `pixels`
   std::vector<std::int32_t> given;   ///< of each pixel: its new label
@@ -47,7 +48,8 @@ struct DissolutionMemory {
 ///
 /// Where noise is smooth (CoplanarityTolerance::inflation_growth), a bump of it passes for a region on the plane about it,
 /// and no number of its points tells more. There, regions of any shape are dissolved too if beside them is one four times as
-/// large whose plane costs them at most three times what it costs its own points: a face within 1.4 standard deviations.
+/// large, and too large to be judged, whose plane costs them at most three times what it costs its own points (two
+/// variances at most): a face within 1.4 standard deviations of what that region shows.
 /// @param planes a (see moments.h) of every label. @param center origin of the planes [m]. @param smallest points that a
 /// region has at least: what is smaller is neither judged nor given any. @param runs of the labels, see listRuns(); likewise
 /// brought up to date.

@@ -57,10 +57,11 @@ struct LabelSplitMemory {
 /// a second plane, and only into parallel sides, as a low step is all that so much swallows, and walls bow: by divisions, or
 /// by a straight cut that explains 1.4 times as much as a quadratic surface, if chi-square is 3 % above what noise leaves.
 ///
-/// A sensor so fine that the tolerance shrinks with its noise (CoplanarityTolerance::forNoise()) tells more for certain, and
-/// from labels of any size: a crease of 4 degrees and more, if two planes leave no more than noise and one quadratic surface
-/// four times as much again; and a low step, if cells on both sides of the border already differ by 0.6 of the tolerance,
-/// which waves and bows do not, though as much as 0.6 of what the division explains may be left for a third level.
+/// A sensor so fine that the tolerance shrinks with its noise (CoplanarityTolerance::forNoise()) tells more for certain,
+/// from divisions of labels of any size, also where the misfit is within the tolerance: a crease of 4 degrees and more, if
+/// two planes leave no more than noise and one quadratic surface leaves four times as much beyond them; and a low step of
+/// parallel sides, if cells on both sides of the border already differ by 0.6 of the tolerance, which most waves and bows do
+/// not, though as much as 0.6 of what the division explains may be left for a third level.
 /// @param cells with weighed moments. @param smallest points of a label; a side has a quarter at least.
 /// @param shares of `labels`. Both are brought up to date: new labels follow the last of shares.sums.
 /// @return whether any was split.

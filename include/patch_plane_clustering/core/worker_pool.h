@@ -53,6 +53,7 @@ class WorkerPool {
 
   void serve();
   void grow(std::size_t threads);
+  void wake(int threads);
   void open(Call& call);
   void finish(Call& call, std::unique_lock<std::mutex>& lock);
   void work(Call& call, std::unique_lock<std::mutex>& lock);
@@ -66,6 +67,7 @@ class WorkerPool {
   std::atomic<bool> ending_{false};
   std::atomic<int> alerts_{0};    // likewise
   std::size_t wanted_ = 0;        // threads that the calls under way ask for
+  int looking_ = 0;               // threads of the pool that look out for work
   int asleep_ = 0, waiting_ = 0;  // threads of the pool, and callers, that must be woken
   std::vector<std::thread> threads_;
 };
