@@ -58,7 +58,8 @@ class Divider {
       const SurfacePlane near(near_), beyond(beyond_);
       changes = assignCells(near, beyond);
       if (round + 1 == kRounds) {
-        while (joinPatches(near, beyond)) continue;  // each time fewer are apart
+        while (joinPatches(near, beyond)) {  // each time fewer are apart
+        }
       } else if (!changes) {
         changes = joinPatches(near, beyond);
       }
