@@ -175,33 +175,27 @@ void weighAndGatePatches(const NoiseModel& noise, const CoplanarityTolerance& to
 
 double estimateInflation(const PatchGrid& grid) {
   InflationMemory memory;
-  for (int part = 0; part < InflationMemory::kParts; ++part) sampleInflation(grid, part, memory);
+  for (int part = 0; part < kSampleParts; ++part) sampleInflation(grid, part, memory);
   return inflationOf(memory);
 }
 
 void sampleInflation(const PatchGrid& grid, int part, InflationMemory& memory) {
   std::vector<double>& excesses = memory.excesses[static_cast<std::size_t>(part)];
   excesses.clear();
-  const int count = static_cast<int>(grid.patches.size());
-  const int stride = std::max(1, count / kInflationPatches);  // a sample tells as much as all
-  const int samples = (count + stride - 1) / stride, end = partBegin(samples, InflationMemory::kParts, part + 1);
-  for (int k = partBegin(samples, InflationMemory::kParts, part); k < end; ++k) {
-    const int i = k * stride;
+  forEachSample(static_cast<int>(grid.patches.size()), kInflationPatches, part, [&](int i) {
     const Patch& patch = grid.patches[i];
-    if (!patch.planar) continue;
+    if (!patch.planar) return;
     grid.forEachNeighbour(i, [&](int j) {
       const Patch& other = grid.patches[j];
       if (j < i || !other.planar) return;
       excesses.push_back(excess(patch.moments, patch.fit, other.moments, other.fit));
     });
-  }
+  });
 }
 
 double inflationOf(InflationMemory& memory) {
   std::vector<double>& all = memory.excesses[0];
-  for (std::size_t part = 1; part < memory.excesses.size(); ++part) {
-    all.insert(all.end(), memory.excesses[part].begin(), memory.excesses[part].end());
-  }
+  for (std::size_t part = 1; part < memory.excesses.size(); ++part) append(memory.excesses[part], all);
   if (all.size() < 100) return 1.0;
   constexpr double kChiSquare3Quantile = 1.4237;  // 30 %
   const auto rank = static_cast<std::size_t>(0.3 * static_cast<double>(all.size()));

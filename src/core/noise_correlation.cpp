@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/noise_correlation.h"
 
-#include "patch_plane_clustering/core/part_queue.h"
 #include "patch_plane_clustering/core/quantile.h"
 
 #include <algorithm>
@@ -12,7 +11,7 @@
 namespace ppc {
 namespace {
 
-constexpr int kPatches = 1000;              // at which squares begin; a sample tells as much as all
+constexpr int kPatches = 1000;              // at which squares begin
 constexpr int kSide = 2, kWideSide = 4;     // of squares whose planes are compared, and of those for the variance [patches]
 constexpr std::size_t kMinPairs = 100;      // of squares
 constexpr double kMaxSquareVariance = 2.0;  // over the noise: other squares are not flat
@@ -42,25 +41,20 @@ bool sumSquare(const PatchGrid& grid, int row, int col, int height, int side, Mo
 
 NoiseCorrelation measureCorrelation(const PatchGrid& grid, double inflation) {
   CorrelationMemory memory;
-  for (int part = 0; part < CorrelationMemory::kParts; ++part) sampleCorrelation(grid, part, memory);
+  for (int part = 0; part < kSampleParts; ++part) sampleCorrelation(grid, part, memory);
   return correlationOf(memory, inflation);
 }
 
 void sampleCorrelation(const PatchGrid& grid, int part, CorrelationMemory& memory) {
   auto& [excesses, variances, points] = memory.parts[static_cast<std::size_t>(part)];
   for (std::vector<double>* numbers : {&excesses, &variances, &points}) numbers->clear();
-  const int count = static_cast<int>(grid.patches.size());
-  const int stride = std::max(1, count / kPatches), squares = (count + stride - 1) / stride;
-  const int begin = partBegin(squares, CorrelationMemory::kParts, part);
-  const int end = partBegin(squares, CorrelationMemory::kParts, part + 1);
-  for (int square = begin; square < end; ++square) {
-    const int i = square * stride;
+  forEachSample(static_cast<int>(grid.patches.size()), kPatches, part, [&](int i) {
     const Patch& patch = grid.patches[i];
     const int height = patch.row_end - patch.row_begin;
     Moments a;
-    if (!sumSquare(grid, patch.row_begin, patch.col_begin, height, kSide, a)) continue;
+    if (!sumSquare(grid, patch.row_begin, patch.col_begin, height, kSide, a)) return;
     const PlaneFit fit_a = fitPlane(a);
-    if (fit_a.chi2 > kMaxSquareVariance * (a.n - 3)) continue;
+    if (fit_a.chi2 > kMaxSquareVariance * (a.n - 3)) return;
     points.push_back(patch.moments.n);
     Moments wide;
     if (sumSquare(grid, patch.row_begin, patch.col_begin, height, kWideSide, wide)) {
@@ -73,16 +67,16 @@ void sampleCorrelation(const PatchGrid& grid, int part, CorrelationMemory& memor
       if (fit_b.chi2 > kMaxSquareVariance * (b.n - 3)) continue;
       excesses.push_back(fitPlane(a + b).chi2 - fit_a.chi2 - fit_b.chi2);
     }
-  }
+  });
 }
 
 NoiseCorrelation correlationOf(CorrelationMemory& memory, double inflation) {
   auto& [excesses, variances, points] = memory.parts[0];
   for (std::size_t part = 1; part < memory.parts.size(); ++part) {
     const CorrelationMemory::Samples& more = memory.parts[part];
-    excesses.insert(excesses.end(), more.excesses.begin(), more.excesses.end());
-    variances.insert(variances.end(), more.variances.begin(), more.variances.end());
-    points.insert(points.end(), more.points.begin(), more.points.end());
+    append(more.excesses, excesses);
+    append(more.variances, variances);
+    append(more.points, points);
   }
   NoiseCorrelation found;
   found.points = points.empty() ? 1.0 : quantile(points, 0.5);

@@ -152,24 +152,22 @@ class PatchFitter {
 };
 
 // How many patches there are before each part of the bands, and in all.
-void countBefore(int bands, int threads, bool all, const PatchGrid& grid, std::vector<int>& before) {
+void countBefore(int bands, const PatchGrid& grid, std::vector<int>& before) {
   const int parts = static_cast<int>(before.size()) - 1;
   before[0] = 0;
-  forEachPart(all ? 1 : threads, parts, [&](int part) {
+  for (int part = 0; part < parts; ++part) {
     int count = 0;
     forEachBlock(grid, partBegin(bands, parts, part), partBegin(bands, parts, part + 1),
-                 [&](int strip, int k) { count += all ? 1 : grid.patch_of_block[grid.strip_begin[strip] + k] + 1; });
-    before[part + 1] = count;
-  });
-  std::partial_sum(before.begin(), before.end(), before.begin());
+                 [&](int strip, int k) { count += grid.patch_of_block[grid.strip_begin[strip] + k] + 1; });
+    before[part + 1] = before[part] + count;
+  }
 }
 
-// Numbers and lays out the patches of a band, from `next` on, of all blocks or of those that are marked. Returns what is
-// next.
-int listBand(const BeamGrid& grid, int band, bool all, int next, PatchGrid& out) {
+// Numbers and lays out the patches of the blocks of a band that are marked, from `next` on. Returns what is next.
+int listBand(const BeamGrid& grid, int band, int next, PatchGrid& out) {
   forEachBlock(out, band, band + 1, [&](int strip, int k) {
     int& index = out.patch_of_block[out.strip_begin[strip] + k];
-    if (!all && index < 0) return;
+    if (index < 0) return;
     Patch& patch = out.patches[next];
     index = next++;
     patch.row_begin = k * out.strip_rows[strip];
@@ -204,7 +202,7 @@ void sumAll(const BeamGrid& grid, int first, int last, int begin, int end, Patch
   RowPrefetch rows(grid, first * kBandRows, std::min(grid.rows, (last + 1) * kBandRows), 2 * kBandRows + 2, end - begin);
   for (int band = first, next = begin; band < last; ++band) {
     const int from = next;
-    next = listBand(grid, band, true, next, out);
+    next = listBand(grid, band, next, out);
     sumPatches(
         grid, from, next, [](int, int) { return fillMask(-1); }, [&](int) { rows.step(band * kBandRows); }, out);
   }
@@ -213,7 +211,7 @@ void sumAll(const BeamGrid& grid, int first, int last, int begin, int end, Patch
 // Lists those that are left, here and there, of bands [first, last), and sums their pixels without a label.
 void sumOpen(const BeamGrid& grid, const LabelImage& done, int first, int last, int begin, PatchGrid& out) {
   int end = begin;
-  for (int band = first; band < last; ++band) end = listBand(grid, band, false, end, out);
+  for (int band = first; band < last; ++band) end = listBand(grid, band, end, out);
   const auto open = [&done](int i, int pixels) { return labelsAt(done, i, pixels) <= LaneMask{}; };
   const auto fetch = [&](int p) {
     if (p + kFetchAhead >= end) return;
@@ -248,20 +246,18 @@ void makePatchGrid(const BeamGrid& grid, int patch_size, const AngularSteps& ste
   out.strip_cols = patch_size;
   out.center = sensorCenter(grid);
   layOut(grid, patch_size, steps, out);
-  const bool all = done == nullptr;
-  out.patch_of_block.resize(static_cast<std::size_t>(out.strip_begin.back()));
-  if (!all) {
-    std::fill(out.patch_of_block.begin(), out.patch_of_block.end(), -1);
+  out.patch_of_block.assign(static_cast<std::size_t>(out.strip_begin.back()), done == nullptr ? 0 : -1);
+  if (done != nullptr) {
     forEachRange(threads, out.strips(), [&](int begin, int end) { markOpenBlocks(grid, *done, begin, end, out); });
   }
   const int bands = bandsOf(out), parts = rangeCount(threads, bands);
   std::vector<int>& before = memory.patches_before;
   before.resize(static_cast<std::size_t>(parts) + 1);
-  countBefore(bands, threads, all, out, before);
+  countBefore(bands, out, before);
   out.patches.resize(static_cast<std::size_t>(before.back()));
   forEachPart(threads, parts, [&](int part) {
     const int first = partBegin(bands, parts, part), last = partBegin(bands, parts, part + 1);
-    if (all) {
+    if (done == nullptr) {
       sumAll(grid, first, last, before[part], before[part + 1], out);
     } else {
       sumOpen(grid, *done, first, last, before[part], out);

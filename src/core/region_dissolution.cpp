@@ -33,28 +33,34 @@ class Dissolver {
   void dissolveAll(bool correlated) {
     memory_.points.assign(planes_.size(), 0);
     for (const LabelRun& run : runs_) memory_.points[run.label] += run.end - run.begin;
-    listThin(correlated);
+    listCandidates(correlated);
     memory_.touches.assign(planes_.size(), 0);
     memory_.mean_costs.assign(planes_.size(), -1.0F);
     std::size_t explained = 0;  // by all that is around; but what is none itself is given nothing
-    for (const DissolutionMemory::Thin& thin : memory_.thin) {
-      lookAt(thin);
-      if ((thin.is_thin && isExplained(thin.label)) || (correlated && isBump(thin.label))) memory_.thin[explained++] = thin;
+    for (const DissolutionMemory::Candidate& region : memory_.candidates) {
+      lookAt(region);
+      if ((isThin(region.label) && isExplained(region.label)) || (correlated && isBump(region.label))) {
+        memory_.candidates[explained++] = region;
+      }
     }
-    memory_.thin.resize(explained);
-    for (const DissolutionMemory::Thin& thin : memory_.thin) memory_.points[thin.label] = 0;
-    for (const DissolutionMemory::Thin& thin : memory_.thin) {
-      lookAt(thin);
+    memory_.candidates.resize(explained);
+    for (const DissolutionMemory::Candidate& region : memory_.candidates) memory_.points[region.label] = 0;
+    for (const DissolutionMemory::Candidate& region : memory_.candidates) {
+      lookAt(region);
       if (memory_.around.empty()) continue;
-      measure(thin.label, memory_.pixels.size());
-      giveAway(thin.label);
+      measure(region.label, memory_.pixels.size());
+      giveAway(region.label);
     }
-    if (!memory_.thin.empty()) listRuns(labels_, runs_);
+    if (!memory_.candidates.empty()) listRuns(labels_, runs_);
   }
 
  private:
   bool isJudged(std::int32_t label) const {
     return memory_.points[label] >= smallest_ && memory_.points[label] / kLargest < smallest_;
+  }
+
+  bool isThin(std::int32_t label) const {
+    return isJudged(label) && memory_.inside[label] < kMostInside * memory_.points[label];
   }
 
   // Calls f(pixel) for a pixel and those next to it, corners too, row by row.
@@ -97,46 +103,43 @@ class Dissolver {
     int& count = memory_.inside[label];
     count = 0;
     for (std::size_t k = begin; k < end; ++k) {
-      for (int i = memory_.thin_runs[k].begin; i < memory_.thin_runs[k].end; ++i) count += isInside(i) ? 1 : 0;
+      for (int i = memory_.candidate_runs[k].begin; i < memory_.candidate_runs[k].end; ++i) count += isInside(i) ? 1 : 0;
     }
   }
 
   // Lists regions that are thin or, if `all`, also those that are not.
-  void listThin(bool all) {
+  void listCandidates(bool all) {
     std::vector<int>& inside = memory_.inside;
-    const auto is_thin = [&](std::int32_t label) {
-      return isJudged(label) && inside[label] < kMostInside * memory_.points[label];
-    };
     inside.assign(planes_.size(), 0);
     for (const LabelRun& run : runs_) {
       if (isJudged(run.label)) inside[run.label] += countSurelyInside(run);
     }
-    std::vector<LabelRun>& runs = memory_.thin_runs;
+    std::vector<LabelRun>& runs = memory_.candidate_runs;
     runs.clear();
     for (const LabelRun& run : runs_) {
-      if (all ? isJudged(run.label) : is_thin(run.label)) runs.push_back(run);
+      if (all ? isJudged(run.label) : isThin(run.label)) runs.push_back(run);
     }
     std::sort(runs.begin(), runs.end(), [](const LabelRun& a, const LabelRun& b) {
       return a.label != b.label ? a.label < b.label : a.begin < b.begin;
     });
-    memory_.thin.clear();
+    memory_.candidates.clear();
     for (std::size_t begin = 0, end = 0; begin < runs.size(); begin = end) {
       const std::int32_t label = runs[begin].label;
       for (end = begin; end < runs.size() && runs[end].label == label;) ++end;
-      if (is_thin(label)) countInside(label, begin, end);
-      if (all || is_thin(label)) memory_.thin.push_back({label, begin, end, is_thin(label)});
+      if (isThin(label)) countInside(label, begin, end);
+      if (all || isThin(label)) memory_.candidates.push_back({label, begin, end});
     }
   }
 
   // Lists the points of a region, and what is around it.
-  void lookAt(const DissolutionMemory::Thin& thin) {
+  void lookAt(const DissolutionMemory::Candidate& region) {
     memory_.pixels.clear();
-    for (std::size_t k = thin.begin; k < thin.end; ++k) {
-      for (int i = memory_.thin_runs[k].begin; i < memory_.thin_runs[k].end; ++i) {
+    for (std::size_t k = region.begin; k < region.end; ++k) {
+      for (int i = memory_.candidate_runs[k].begin; i < memory_.candidate_runs[k].end; ++i) {
         if (grid_.valid(i)) memory_.pixels.push_back(i);
       }
     }
-    listAround(thin.label);
+    listAround(region.label);
   }
 
   void listAround(std::int32_t label) {

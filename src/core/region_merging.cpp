@@ -79,8 +79,8 @@ bool isCrease(const Whole& a, const Whole& b, const NoiseModel& noise, const Cop
   const Whole &small = first ? a : b, &large = first ? b : a;
   const Moments& m = small.moments;
   const double range = m.mean().norm(), sigma = noise.sigma(range);
-  const double scaled = tolerance.forNoise(sigma).sigma_distance, distance = kCreaseTolerance * scaled;
-  if (!(scaled < tolerance.sigma_distance)) return false;
+  if (!tolerance.isFine(sigma)) return false;
+  const double distance = kCreaseTolerance * tolerance.forNoise(sigma).sigma_distance;
   const Eigen::Vector3d normal = large.fit.normal();
   const double along = normal.dot(Eigen::Vector3d(m.x, m.y, m.z));
   const double square = chiSquare(m, normal) - m.w + 2.0 * along;  // of 1 / distance, in that of the parallel plane

@@ -24,8 +24,7 @@ constexpr double kLeastMisfit = 0.98;  // chi-square of a point below which no d
 constexpr double kWinding = 8.0;       // border over the root of a side's cells: a square has 4, what follows lines more
 constexpr double kDivisionLeft = 0.3;  // beyond noise, over what a division explains: there may be a third plane
 constexpr double kStepLeft = 0.6;      // likewise, if there is a step for certain
-constexpr double kStepHeight =
-    0.6;  // of a step from cell to cell, in the tolerance: cells at an edge have part in both sides
+constexpr double kStepHeight = 0.6;    // of a step from cell to cell, in the tolerance: those at an edge have part in both
 constexpr double kCreaseCosine = 0.9976;  // between planes, 4 degrees
 constexpr double kCreaseGain = 4.0;       // of a crease over a quadratic surface, over what noise may leave
 constexpr double kSignificance = 30.0;    // of a cut, over one plane and one quadratic surface: far beyond chi-square
@@ -198,17 +197,13 @@ class LabelSplitter {
     return parallel && left < std::max(noise, kStepLeft * division.gain) && isStep(part, work, fit);
   }
 
-  // Whether a sensor is fine enough at a range for its tolerance to shrink with the noise.
-  bool isFine(double range) const {
-    return tolerance_.forNoise(noise_.sigma(range)).sigma_distance < tolerance_.sigma_distance;
-  }
-
   // Whether a fine sensor tells a crease for certain: two planes leave no more than noise, and one quadratic surface far
   // more.
   bool isCrease(const LabelSplit& split, const SurfaceDivision& division, double bow) const {
     const double noise = split.noise(tolerance_);
     return split.low.fit.normal().dot(split.high.fit.normal()) < kCreaseCosine && split.leftOver() < noise &&
-           division.gain - bow > kCreaseGain * noise && isFine((split.low.sum + split.high.sum).mean().norm());
+           division.gain - bow > kCreaseGain * noise &&
+           tolerance_.isFine(noise_.sigma((split.low.sum + split.high.sum).mean().norm()));
   }
 
   // Whether the border of a division is a step that a fine sensor tells from waves: cells on both sides of it differ
@@ -228,8 +223,9 @@ class LabelSplitter {
     }
     const int count = work.division.border;
     if (count == 0) return false;
-    const double range = (low + high).norm() / (2 * count), step = std::abs(fit.normal().dot(high - low)) / count;
-    return isFine(range) && step > kStepHeight * tolerance_.forNoise(noise_.sigma(range)).sigma_distance;
+    const double sigma = noise_.sigma((low + high).norm() / (2 * count));
+    const double step = std::abs(fit.normal().dot(high - low)) / count;
+    return tolerance_.isFine(sigma) && step > kStepHeight * tolerance_.forNoise(sigma).sigma_distance;
   }
 
   // Which cells of a part share an edge.

@@ -32,8 +32,7 @@ PatchComparison comparisonOf(const Config& config) { return {config.running_plan
 bool estimateCorrelation(const Config& config, NoiseModel& noise, CoplanarityTolerance& tolerance,
                          ClusteringMemory& memory) {
   PatchGrid& patches = memory.patches;
-  static_assert(InflationMemory::kParts == CorrelationMemory::kParts, "sampled side by side");
-  forEachPart(config.threads, InflationMemory::kParts, [&](int part) {
+  forEachPart(config.threads, kSampleParts, [&](int part) {
     sampleInflation(patches, part, memory.inflation);
     sampleCorrelation(patches, part, memory.correlation);
   });

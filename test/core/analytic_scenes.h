@@ -69,6 +69,16 @@ inline Surface wall(const Eigen::Vector3d& normal, double d) {
   return surfaceOf({{normal.normalized(), d / normal.norm()}, [](const Eigen::Vector3d&) { return true; }});
 }
 
+/// A wall across the x axis that is nearly flat: `depth` gives its x at every y.
+template <typename F>
+Surface relief(F depth) {
+  return [depth](const Eigen::Vector3d&, const Eigen::Vector3d& u) {
+    double t = depth(0.0) / u.x();
+    for (int k = 0; k < 6; ++k) t = depth(t * u.y()) / u.x();
+    return t;
+  };
+}
+
 /// The outside of a ball.
 inline Surface ball(const Eigen::Vector3d& center, double radius) {
   return [=](const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {

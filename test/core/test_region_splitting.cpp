@@ -15,7 +15,6 @@ namespace {
 
 using namespace testing_tools;
 
-const NoiseModel kNoise(SensorModel{0.01, 0.01, 10.0, 0.0}, 1.0);
 constexpr double kFine = 0.001;  // noise of a fine sensor [m]
 
 // All that is measured as one label.
@@ -76,7 +75,7 @@ TEST(SplitLabels, GivesASwallowedFaceALabelOfItsOwn) {
 TEST(SplitLabels, BringsSharesUpToDate) {
   Scene scene({turned(0.4), kRest});
   scene.split();
-  const CellShares anew = shareCells(scene.grid, scene.cells, kNoise, scene.labels);
+  const CellShares anew = shareCells(scene.grid, scene.cells, scene.noise, scene.labels);
   EXPECT_EQ(scene.shares.labels, anew.labels);
   EXPECT_EQ(scene.shares.only, anew.only);
   ASSERT_EQ(scene.shares.sums.size(), anew.sums.size());
@@ -111,12 +110,7 @@ TEST(SplitLabels, TellsLowStepsOfAFineSensorFromWaves) {
   ASSERT_EQ(fine.count(), 2);
   EXPECT_GT(fine.common(2, 1), 0.95 * countOf(fine.truth, 2));
   EXPECT_GT(fine.common(1, 2), 0.9 * countOf(fine.truth, 1));
-  Scene waves({[](const Eigen::Vector3d&, const Eigen::Vector3d& u) {  // of as much in all
-                double t = 3.0 / u.x();
-                for (int k = 0; k < 5; ++k) t = (3.0 - 0.00125 * std::sin(10.0 * t * u.y())) / u.x();
-                return t;
-              }},
-              0.0025, kFine);
+  Scene waves({relief([](double y) { return 3.0 - 0.00125 * std::sin(10.0 * y); })}, 0.0025, kFine);  // of as much in all
   waves.split();
   EXPECT_EQ(waves.count(), 1);
 }

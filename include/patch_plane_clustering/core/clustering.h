@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/patch_grid.h"
+#include "patch_plane_clustering/core/patch_sample.h"
 #include "patch_plane_clustering/core/similarity.h"
 
 #include <array>
@@ -68,11 +69,10 @@ void weighAndGatePatches(const NoiseModel& noise, const CoplanarityTolerance& to
 /// a line, or shared by a whole line, does not average out within a patch. From a low quantile over all pairs. At least 1.
 double estimateInflation(const PatchGrid& grid);
 
-/// @brief The same in two steps: samples of all parts [0, InflationMemory::kParts) of the patches, several at a time if
+/// @brief The same in two steps: samples of all parts [0, kSampleParts) of the patches, several at a time if
 /// there are threads for them, and what they tell, which uses them up.
 struct InflationMemory {
-  static constexpr int kParts = 8;
-  std::array<std::vector<double>, kParts> excesses;
+  std::array<std::vector<double>, kSampleParts> excesses;
 };
 void sampleInflation(const PatchGrid& grid, int part, InflationMemory& memory);
 double inflationOf(InflationMemory& memory);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "patch_plane_clustering/core/patch_grid.h"
+#include "patch_plane_clustering/core/patch_sample.h"
 
 #include <array>
 #include <vector>
@@ -18,11 +19,10 @@ struct NoiseCorrelation {
 
 /// @brief Working memory of measureCorrelation(), which one image after the other may use.
 struct CorrelationMemory {
-  static constexpr int kParts = 8;  ///< of the squares, which may be sampled at a time
   struct Samples {
     std::vector<double> excesses, variances, points;
   };
-  std::array<Samples, kParts> parts;
+  std::array<Samples, kSampleParts> parts;  ///< of the squares
 };
 
 /// @brief Measures both from low quantiles over squares of planar patches; nothing is found in white noise or in images of
@@ -30,7 +30,7 @@ struct CorrelationMemory {
 /// (estimateInflation).
 NoiseCorrelation measureCorrelation(const PatchGrid& grid, double inflation);
 
-/// @brief The same in two steps, of which the first does not need the inflation: all parts [0, CorrelationMemory::kParts),
+/// @brief The same in two steps, of which the first does not need the inflation: all parts [0, kSampleParts),
 /// several at a time if there are threads for them. The second uses the samples up.
 void sampleCorrelation(const PatchGrid& grid, int part, CorrelationMemory& memory);
 NoiseCorrelation correlationOf(CorrelationMemory& memory, double inflation);

@@ -16,15 +16,14 @@ namespace ppc {
 
 /// @brief Working memory of dissolveRegions(), which one image after the other may use.
 struct DissolutionMemory {
-  struct Thin {  ///< a region, and its runs
+  struct Candidate {  ///< a region that is thin, or may be a bump of noise, and its runs
     std::int32_t label;
     std::size_t begin, end;
-    bool is_thin;  ///< or may be a bump of noise
   };
-  std::vector<int> points;           ///< of each label
-  std::vector<int> inside;           ///< of each label that is small enough: points that touch no other one
-  std::vector<LabelRun> thin_runs;   ///< those of regions that may be thin, or bumps, region by region
-  std::vector<Thin> thin;            ///< such regions
+  std::vector<int> points;               ///< of each label
+  std::vector<int> inside;               ///< of each label that is small enough: points that touch no other one
+  std::vector<LabelRun> candidate_runs;  ///< those of regions that may be thin, or bumps, region by region
+  std::vector<Candidate> candidates;
   std::vector<int> pixels;           ///< with a measurement, of the region that is looked at
   std::vector<int> touches;          ///< of each label: how often that region touches it
   std::vector<std::int32_t> around;  ///< labels that it touches

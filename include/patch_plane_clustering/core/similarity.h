@@ -28,6 +28,9 @@ struct CoplanarityTolerance {
     return inflation < kWhite && inflation_growth == 0.0;
   }
 
+  /// Whether a sensor is so fine that its tolerance shrinks with its noise `sigma` [m].
+  bool isFine(double sigma) const { return forNoise(sigma).sigma_distance < sigma_distance; }
+
   /// @brief The tolerance where ranges have the noise `sigma` [m]. The errors that it stands for, of calibration, grid and
   /// bias, shrink with the noise: a sensor that resolves a millimetre shall tell a step of five from a plane.
   CoplanarityTolerance forNoise(double sigma) const {
