@@ -216,12 +216,7 @@ TEST(Segmenter, APictureOnAWallIsARegion) {
 
 TEST(Segmenter, ABowedWallIsOneRegion) {
   BeamGrid grid = forwardBeams(160, 220, kStep);  // 3 m wide at 3 m
-  for (int i = 0; i < grid.size(); ++i) {
-    const Eigen::Vector3d u = grid.direction(i).cast<double>();
-    double range = 3.0 / u.x();
-    for (int k = 0; k < 5; ++k) range = (3.0 - 0.005 * (1.0 - std::pow(range * u.y() / 1.5, 2))) / u.x();
-    grid.range[i] = static_cast<float>(range);
-  }
+  scan({relief([](double y) { return 3.0 - 0.005 * (1.0 - std::pow(y / 1.5, 2)); })}, grid);
   addNoise(grid, 0.01);
   const Segmentation result = segmented(grid);
   ASSERT_EQ(result.regions.size(), 1U);
