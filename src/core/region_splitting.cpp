@@ -119,16 +119,24 @@ class LabelSplitter {
   static int sizeOf(const Part& part) { return part.end - part.begin; }
   static bool isLarge(const Part& part) { return sizeOf(part) > kManyCells; }
 
-  // Whether whole cells stand off a plane by more in all than noise leaves.
-  bool isMisfit(const Part& part, const PlaneFit& fit) const {
+  // Chi-square, beyond the average, of what whole cells stand off their planes, planeOf(i). An error of the noise counts once
+  // a cell there, not once a point.
+  template <typename F>
+  double misfitOf(const Part& part, const F& planeOf) const {
     double chi2 = 0.0;
-    for (int i = part.begin; i < part.end; ++i) {
-      const Moments& m = momentsOf(places_[i]);
-      const double misfit = m.w - fit.a.dot(Eigen::Vector3d(m.x, m.y, m.z));
+    for (int i = 0; i < sizeOf(part); ++i) {
+      const Moments& m = momentsOf(places_[part.begin + i]);
+      const double misfit = m.w - planeOf(i).dot(Eigen::Vector3d(m.x, m.y, m.z));
       if (m.w > 0.0) chi2 += misfit * misfit / m.w;
     }
-    const double count = sizeOf(part);
-    return chi2 > count + kMisfit * std::sqrt(2.0 * count);
+    return chi2 - sizeOf(part);
+  }
+
+  // What noise may leave of it.
+  static double noiseOf(const Part& part) { return kMisfit * std::sqrt(2.0 * sizeOf(part)); }
+
+  double misfitOf(const Part& part, const LabelSplit& split) const {
+    return misfitOf(part, [&](int i) -> const Eigen::Vector3d& { return (split.beyond[i] != 0 ? split.high : split.low).fit.a; });
   }
 
   // May be called for several parts at a time.
@@ -138,7 +146,7 @@ class LabelSplitter {
     const Moments& all = shares_.sums[part.label];
     if (all.n < smallest_) return false;
     const PlaneFit fit = fitPlane(all);
-    const bool is_misfit = tolerance_.isWhite() && isMisfit(part, fit);
+    const bool is_misfit = tolerance_.isWhite() && misfitOf(part, [&](int) -> const Eigen::Vector3d& { return fit.a; }) > noiseOf(part);
     if (large && !is_misfit) return false;
     const float aspect = aspectOf(part);
     const SurfaceFrame frame(all, fit);
@@ -169,8 +177,9 @@ class LabelSplitter {
     for (const SurfaceCell& cell : surface) split.beyond.push_back(cut.isBeyond(cell.x, cell.y) ? 1 : 0);
     if (!fitSides(part, split) || (large && !split.areParallel())) return false;
     // Two planes leave no more than noise, or not much more than what they explain.
-    const double most = tolerance_.isWhite() ? kMostLeft * split.explained(fit) : 0.0;
-    return split.leftOver() < std::max(split.noise(tolerance_), most) && split.isBeyond(tolerance_, noise_, fit);
+    if (!split.isBeyond(tolerance_, noise_, fit)) return false;
+    if (!tolerance_.isWhite()) return split.leftOver() < split.noise(tolerance_);
+    return misfitOf(part, split) < std::max(split.noise(tolerance_), kMostLeft * split.explained(fit));
   }
 
   // Whether two planes explain a part far better, with a border that does not wind through noise.
@@ -192,7 +201,7 @@ class LabelSplitter {
     if (isCrease(split, division, bow)) return true;
     const bool large = isLarge(part), parallel = split.areParallel();
     if (!(division.score() >= (parallel ? kParallelGain : kTurnedGain) * bow) || (large && !parallel)) return false;
-    const double left = split.leftOver(), noise = split.noise(tolerance_);
+    const double left = misfitOf(part, split), noise = split.noise(tolerance_);
     if (left < std::max(noise, kDivisionLeft * division.gain) && split.isBeyond(tolerance_, noise_, fit)) return true;
     return parallel && left < std::max(noise, kStepLeft * division.gain) && isStep(part, work, fit);
   }
