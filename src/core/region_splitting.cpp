@@ -28,6 +28,7 @@ constexpr double kStepHeight = 0.6;    // of a step from cell to cell, in the to
 constexpr double kCreaseCosine = 0.9976;  // between planes, 4 degrees
 constexpr double kCreaseGain = 4.0;       // of a crease over a quadratic surface, over what noise may leave
 constexpr double kSignificance = 30.0;    // of a cut, over one plane and one quadratic surface: far beyond chi-square
+constexpr double kNoiseError = 0.1;       // of its variance
 constexpr double kMostLeft = 3.0;         // beyond noise, over what two planes explain, where there may be a third one
 constexpr double kMinSide = 0.25;         // points of a side over those of a region, as in the second pass
 
@@ -119,8 +120,8 @@ class LabelSplitter {
   static int sizeOf(const Part& part) { return part.end - part.begin; }
   static bool isLarge(const Part& part) { return sizeOf(part) > kManyCells; }
 
-  // Chi-square, beyond the average, of what whole cells stand off their planes, planeOf(i). An error of the noise counts once
-  // a cell there, not once a point.
+  // Chi-square, beyond the average, of what whole cells stand off their planes, planeOf(i). An error of the noise counts
+  // once a cell there, not once a point.
   template <typename F>
   double misfitOf(const Part& part, const F& planeOf) const {
     double chi2 = 0.0;
@@ -135,8 +136,13 @@ class LabelSplitter {
   // What noise may leave of it.
   static double noiseOf(const Part& part) { return kMisfit * std::sqrt(2.0 * sizeOf(part)); }
 
-  double misfitOf(const Part& part, const LabelSplit& split) const {
-    return misfitOf(part, [&](int i) -> const Eigen::Vector3d& { return (split.beyond[i] != 0 ? split.high : split.low).fit.a; });
+  // What two planes leave to explain. Whole cells tell, unless points within them are off by more than an error of the noise
+  // makes them, as lines are.
+  double leftOf(const Part& part, const LabelSplit& split) const {
+    const double left = split.leftOver();
+    const double misfit = misfitOf(
+        part, [&](int i) -> const Eigen::Vector3d& { return (split.beyond[i] != 0 ? split.high : split.low).fit.a; });
+    return left - misfit < kNoiseError * (split.low.sum.n + split.high.sum.n) ? misfit : left;
   }
 
   // May be called for several parts at a time.
@@ -146,7 +152,8 @@ class LabelSplitter {
     const Moments& all = shares_.sums[part.label];
     if (all.n < smallest_) return false;
     const PlaneFit fit = fitPlane(all);
-    const bool is_misfit = tolerance_.isWhite() && misfitOf(part, [&](int) -> const Eigen::Vector3d& { return fit.a; }) > noiseOf(part);
+    const bool is_misfit =
+        tolerance_.isWhite() && misfitOf(part, [&](int) -> const Eigen::Vector3d& { return fit.a; }) > noiseOf(part);
     if (large && !is_misfit) return false;
     const float aspect = aspectOf(part);
     const SurfaceFrame frame(all, fit);
@@ -179,7 +186,7 @@ class LabelSplitter {
     // Two planes leave no more than noise, or not much more than what they explain.
     if (!split.isBeyond(tolerance_, noise_, fit)) return false;
     if (!tolerance_.isWhite()) return split.leftOver() < split.noise(tolerance_);
-    return misfitOf(part, split) < std::max(split.noise(tolerance_), kMostLeft * split.explained(fit));
+    return leftOf(part, split) < std::max(split.noise(tolerance_), kMostLeft * split.explained(fit));
   }
 
   // Whether two planes explain a part far better, with a border that does not wind through noise.
@@ -201,7 +208,7 @@ class LabelSplitter {
     if (isCrease(split, division, bow)) return true;
     const bool large = isLarge(part), parallel = split.areParallel();
     if (!(division.score() >= (parallel ? kParallelGain : kTurnedGain) * bow) || (large && !parallel)) return false;
-    const double left = misfitOf(part, split), noise = split.noise(tolerance_);
+    const double left = leftOf(part, split), noise = split.noise(tolerance_);
     if (left < std::max(noise, kDivisionLeft * division.gain) && split.isBeyond(tolerance_, noise_, fit)) return true;
     return parallel && left < std::max(noise, kStepLeft * division.gain) && isStep(part, work, fit);
   }

@@ -7,6 +7,7 @@
 #include "patch_plane_clustering/core/crease_alignment.h"
 #include "patch_plane_clustering/core/curvature.h"
 #include "patch_plane_clustering/core/hole_filling.h"
+#include "patch_plane_clustering/core/label_reunion.h"
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/line_errors.h"
 #include "patch_plane_clustering/core/noise_correlation.h"
@@ -193,6 +194,11 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
   timer.lap("curvature");
   list.wait();
   if (settle) {
+    if (config.merge && config.noise_aware) {
+      reuniteLabels(grid.rows, grid.cols, shares, noise, tolerance, memory.merging.meetings.groups,
+                    static_cast<std::int32_t>(memory.merging.names.size()), memory.reunion, pieces, borders.contested,
+                    planes);
+    }
     settleContested(grid.cols, pieces, planes.size(), smallest, gap_rows, gap_cols, borders, labels, memory.settled,
                     config.threads);
     timer.lap("borders");

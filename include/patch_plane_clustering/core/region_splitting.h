@@ -52,9 +52,11 @@ struct LabelSplitMemory {
 /// Divisions, which could follow noise, are taken where there is no such cut or they explain twice as much (of more than 300
 /// cells, more); are for errors that are not correlated, where misfits over whole cells tell of a second plane; must score
 /// more (1.3 times what a quadratic surface explains, 2.2 if their sides are not parallel) and leave less (what noise may,
-/// or 0.3 times what they explain); and their border must not wind, as it does along lines that are off. Sides are split
-/// again. Labels of more than 300 cells are split only where errors are not correlated and misfits over whole cells tell of
-/// a second plane, and only into parallel sides, as a low step is all that so much swallows, and walls bow: by divisions, or
+/// or 0.3 times what they explain); and their border must not wind, as it does along lines that are off. What is left is
+/// counted in misfits of whole cells, not of points, unless points within cells show that more than a tenth of the noise's
+/// variance is wrong: of many points, a small error of the noise leaves more than any third plane. Sides are split again.
+/// Labels of more than 300 cells are split only where errors are not correlated and misfits over whole cells tell of a
+/// second plane, and only into parallel sides, as a low step is all that so much swallows, and walls bow: by divisions, or
 /// by a straight cut that explains 1.4 times as much as a quadratic surface, if chi-square is 3 % above what noise leaves.
 ///
 /// A sensor so fine that the tolerance shrinks with its noise (CoplanarityTolerance::forNoise()) tells more for certain,

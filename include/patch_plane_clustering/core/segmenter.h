@@ -9,6 +9,7 @@
 #include "patch_plane_clustering/core/crease_alignment.h"
 #include "patch_plane_clustering/core/curvature.h"
 #include "patch_plane_clustering/core/hole_filling.h"
+#include "patch_plane_clustering/core/label_reunion.h"
 #include "patch_plane_clustering/core/line_errors.h"
 #include "patch_plane_clustering/core/noise_correlation.h"
 #include "patch_plane_clustering/core/noise_model.h"
@@ -54,6 +55,7 @@ struct ClusteringMemory {
   LabelSplitMemory splits;
   LabelPieces pieces;
   SplitMemory split;
+  ReunionMemory reunion;
   BorderMemory borders;
   std::vector<std::int32_t> settled;  ///< label of every piece once borders are settled
   CurvatureMemory curvature;
