@@ -11,8 +11,9 @@ namespace ppc {
 namespace {
 
 constexpr double kMostMisfit = 0.7;
-constexpr int kFewestPoints = 6;
+constexpr int kFewestPoints = 6;  // of each label
 
+// Of the planes of two labels as wholes.
 double misfitOf(const Moments& a, const Moments& b, const NoiseModel& noise, const CoplanarityTolerance& tolerance) {
   const Moments& small = a.n < b.n ? a : b;
   const PlaneFit joint = fitPlane(a + b), fit_a = fitPlane(a), fit_b = fitPlane(b);
@@ -51,7 +52,7 @@ void reuniteLabels(int rows, int cols, const CellShares& shares, const NoiseMode
     const Moments &first = shares.sums[a], &second = shares.sums[b];
     if (std::min(first.n, second.n) < kFewestPoints) continue;
     const double m = misfitOf(first, second, noise, tolerance);
-    if (m <= kMostMisfit) memory.candidates.emplace_back(m, std::make_pair(a, b));
+    if (m <= kMostMisfit) memory.candidates.emplace_back(m, LabelPair(a, b));
   }
   if (memory.candidates.empty()) return;
   std::sort(memory.candidates.begin(), memory.candidates.end());
@@ -64,10 +65,7 @@ void reuniteLabels(int rows, int cols, const CellShares& shares, const NoiseMode
   };
   for (const auto& [m, pair] : memory.candidates) {
     const std::int32_t a = nameOf(pair.first), b = nameOf(pair.second);
-    if (a == b || ((a != pair.first || b != pair.second) &&
-                   misfitOf(memory.sums[a], memory.sums[b], noise, tolerance) > kMostMisfit)) {
-      continue;
-    }
+    if (a == b || misfitOf(memory.sums[a], memory.sums[b], noise, tolerance) > kMostMisfit) continue;
     const std::int32_t kept = std::min(a, b), joined = std::max(a, b);
     memory.names[joined] = kept;
     memory.sums[kept] += memory.sums[joined];
@@ -75,7 +73,7 @@ void reuniteLabels(int rows, int cols, const CellShares& shares, const NoiseMode
   }
   for (std::size_t label = 0; label < count; ++label) memory.names[label] = nameOf(static_cast<std::int32_t>(label));
   for (std::int32_t& label : pieces.whole) label = memory.names[label];
-  for (LabelRun& run : runs) run.label = memory.names[run.label];
+  renameRuns(memory.names, runs);
 }
 
 }  // namespace ppc

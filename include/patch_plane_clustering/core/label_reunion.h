@@ -19,11 +19,11 @@ namespace ppc {
 struct ReunionMemory {
   RowRuns rows;
   LabelPairIndex index;
-  std::vector<std::pair<std::int32_t, std::int32_t>> touching;
-  std::vector<char> has_region;  ///< whether each label has a piece that is a planar region
-  std::vector<Moments> sums;     ///< of the labels
-  std::vector<std::pair<double, std::pair<std::int32_t, std::int32_t>>> candidates;  ///< misfit and labels
-  std::vector<std::int32_t> names;                                                   ///< of the labels
+  std::vector<LabelPair> touching;
+  std::vector<char> has_region;                          ///< whether each label has a piece that is a planar region
+  std::vector<Moments> sums;                             ///< of the labels
+  std::vector<std::pair<double, LabelPair>> candidates;  ///< misfit and labels
+  std::vector<std::int32_t> names;                       ///< of the labels
 };
 
 /// @brief Makes one label of two that touch only since borders were contested, and have one plane: what lay between them, a
