@@ -16,6 +16,7 @@ constexpr double kMisfit = 3.0;  // standard deviations of what whole cells stan
 // Of straight cuts of labels of many cells, chi-square of a point from which on they are looked for, and gain over that of a
 // quadratic surface.
 constexpr double kLargeMisfit = 1.03, kLargeGain = 1.4;
+constexpr double kPlaneCutGain = 1.5;  // of a cut that is straight on the plane alone, over that of a quadratic surface
 // Of divisions, gain over that of a quadratic surface: of parallel sides and of others, as strips of what bends more than
 // such a surface does are turned against each other.
 constexpr double kParallelGain = 1.3, kTurnedGain = 2.2;
@@ -162,16 +163,25 @@ class LabelSplitter {
     for (int i = part.begin; i < part.end; ++i) {
       surface.push_back({xOf(places_[i]), yOf(places_[i], aspect), frame.measure(momentsOf(places_[i]))});
     }
-    const SurfaceCut cut = bestCut(surface, smallest_side_);
+    const double bow = bowGain(surface);
+    const SurfaceCut cut = findCut(surface, bow);
     const bool may_cut = cut.gain >= significance() && (!large || fit.chi2 > kLargeMisfit * all.n);
     const bool may_divide = is_misfit && fit.chi2 >= kLeastMisfit * all.n && isDivided(part, cut, work);
     if (!may_cut && !may_divide) return false;
-    const double bow = bowGain(surface);
     const bool is_cut = may_cut && isSplitByCut(part, cut, bow, fit, surface, work.cut);
     const bool is_divided = may_divide && isSplitByDivision(part, work, bow, fit, split);
     const double least = large ? cut.gain : kDivisionGain * cut.gain;
     if (is_cut && !(is_divided && work.division.score() > least)) split = work.cut;
     return is_cut || is_divided;
+  }
+
+  // Straight in the image or, if there is none that will do, on the plane, where it must explain more, as a curved surface
+  // has better ones there.
+  SurfaceCut findCut(const Surface& surface, double bow) const {
+    const SurfaceCut cut = bestCut(surface, smallest_side_);
+    if (cut.gain >= bow + significance()) return cut;
+    const SurfaceCut on_plane = bestCutOnPlane(surface, smallest_side_);
+    return on_plane.gain >= std::max(kPlaneCutGain * bow, bow + 2.0 * significance()) ? on_plane : cut;
   }
 
   double significance() const { return kSignificance * tolerance_.inflationOf(smallest_side_); }
@@ -181,7 +191,7 @@ class LabelSplitter {
     const bool large = isLarge(part);
     if (!(cut.gain >= bow + significance()) || (large && !(cut.gain >= kLargeGain * bow))) return false;
     split.beyond.clear();
-    for (const SurfaceCell& cell : surface) split.beyond.push_back(cut.isBeyond(cell.x, cell.y) ? 1 : 0);
+    for (const SurfaceCell& cell : surface) split.beyond.push_back(cut.isBeyond(cell) ? 1 : 0);
     if (!fitSides(part, split) || (large && !split.areParallel())) return false;
     // Two planes leave no more than noise, or not much more than what they explain.
     if (!split.isBeyond(tolerance_, noise_, fit)) return false;

@@ -26,6 +26,55 @@ float gainOf(const SurfaceSums& side) {
   return side.misfits[0] * mean + turned;
 }
 
+float angleOf(int direction) { return static_cast<float>(M_PI) * static_cast<float>(direction) / kDirections; }
+
+// Keeps the best of the cuts that are tried.
+class Cutter {
+ public:
+  Cutter(const std::vector<SurfaceCell>& cells, double fewest, bool on_plane)
+      : cells_(cells), least_(static_cast<float>(fewest)) {
+    cut_.on_plane = best_.on_plane = on_plane;
+    for (const SurfaceCell& cell : cells) all_ += cell.sums;
+  }
+
+  // In 15 places.
+  void cutAcross(float x, float y) {
+    if (cells_.empty() || all_.points() < 2.0F * least_) return;
+    cut_.across_x = x;
+    cut_.across_y = y;
+    float first = cut_.placeOf(cells_[0]), last = first;
+    for (const SurfaceCell& cell : cells_) {
+      first = std::min(first, cut_.placeOf(cell));
+      last = std::max(last, cut_.placeOf(cell));
+    }
+    if (!(last > first)) return;
+    const float width = (last - first) / kBins, scale = 1.0F / width;
+    std::array<SurfaceSums, kBins + 1> bins = {};  // the last cell lies beyond the last cut
+    for (const SurfaceCell& cell : cells_) {
+      bins[static_cast<std::size_t>((cut_.placeOf(cell) - first) * scale)] += cell.sums;
+    }
+    SurfaceSums below, beyond = all_;
+    for (std::size_t bin = 0; bin + 1 < kBins; ++bin) {
+      if (bins[bin].points() == 0.0F) continue;
+      below += bins[bin];
+      beyond -= bins[bin];
+      if (below.points() < least_) continue;
+      if (beyond.points() < least_) break;
+      cut_.gain = gainOf(below) + gainOf(beyond);
+      cut_.at = first + static_cast<float>(bin + 1) * width;
+      if (cut_.gain > best_.gain) best_ = cut_;
+    }
+  }
+
+  const SurfaceCut& best() const { return best_; }
+
+ private:
+  const std::vector<SurfaceCell>& cells_;
+  float least_;
+  SurfaceSums all_;
+  SurfaceCut cut_, best_;
+};
+
 }  // namespace
 
 SurfaceFrame::SurfaceFrame(const Moments& sum, const PlaneFit& fit) : a_(fit.a) {
@@ -51,36 +100,32 @@ SurfaceSums SurfaceFrame::measure(const Moments& m) const {
 }
 
 SurfaceCut bestCut(const std::vector<SurfaceCell>& cells, double fewest) {
-  SurfaceCut best;
-  SurfaceSums all;
-  for (const SurfaceCell& cell : cells) all += cell.sums;
-  const auto least = static_cast<float>(fewest);
-  if (cells.empty() || all.points() < 2.0F * least) return best;
-  for (int k = 0; k < kDirections; ++k) {
-    const float angle = static_cast<float>(M_PI) * static_cast<float>(k) / kDirections;
-    const float across_x = std::cos(angle), across_y = std::sin(angle);
-    const auto placeOf = [&](const SurfaceCell& cell) { return across_x * cell.x + across_y * cell.y; };
-    float first = placeOf(cells[0]), last = first;
-    for (const SurfaceCell& cell : cells) {
-      first = std::min(first, placeOf(cell));
-      last = std::max(last, placeOf(cell));
-    }
-    if (!(last > first)) continue;
-    const float width = (last - first) / kBins, scale = 1.0F / width;
-    std::array<SurfaceSums, kBins + 1> bins = {};  // the last cell lies beyond the last cut
-    for (const SurfaceCell& cell : cells) bins[static_cast<std::size_t>((placeOf(cell) - first) * scale)] += cell.sums;
-    SurfaceSums below, beyond = all;
-    for (std::size_t bin = 0; bin + 1 < kBins; ++bin) {
-      if (bins[bin].points() == 0.0F) continue;
-      below += bins[bin];
-      beyond -= bins[bin];
-      if (below.points() < least) continue;
-      if (beyond.points() < least) break;
-      const double gain = gainOf(below) + gainOf(beyond);
-      if (gain > best.gain) best = {gain, across_x, across_y, first + static_cast<float>(bin + 1) * width};
-    }
+  Cutter cutter(cells, fewest, false);
+  for (int k = 0; k < kDirections; ++k) cutter.cutAcross(std::cos(angleOf(k)), std::sin(angleOf(k)));
+  return cutter.best();
+}
+
+SurfaceCut bestCutOnPlane(const std::vector<SurfaceCell>& cells, double fewest) {
+  float n = 0.0F, u = 0.0F, v = 0.0F, uu = 0.0F, uv = 0.0F, vv = 0.0F;
+  for (const SurfaceCell& cell : cells) {
+    const float points = cell.sums.points(), at_u = cell.sums.u(), at_v = cell.sums.v();
+    n += points;
+    u += points * at_u;
+    v += points * at_v;
+    uu += points * at_u * at_u;
+    uv += points * at_u * at_v;
+    vv += points * at_v * at_v;
   }
-  return best;
+  // By the Cholesky factor of the scatter.
+  const float along = std::sqrt(uu - u * u / n), shear = (uv - u * v / n) / along;
+  const float across = std::sqrt(vv - v * v / n - shear * shear);
+  if (!(along > 0.0F && across > 0.0F)) return SurfaceCut();
+  Cutter cutter(cells, fewest, true);
+  for (int k = 0; k < kDirections; ++k) {
+    const float round_v = std::sin(angleOf(k)) / across;
+    cutter.cutAcross((std::cos(angleOf(k)) - shear * round_v) / along, round_v);
+  }
+  return cutter.best();
 }
 
 double bowGain(const std::vector<SurfaceCell>& cells) {

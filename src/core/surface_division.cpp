@@ -205,7 +205,7 @@ void divideSurface(const std::vector<SurfaceCell>& cells, const SurfaceLinks& li
   }
   Divider divider(cells, links, fewest, memory);
   const auto level = [&](std::size_t i) { return memory.misfits[i] / std::sqrt(std::max(memory.weights[i], 1e-9F)); };
-  divider.divide([&](std::size_t i) { return cut.isBeyond(cells[i].x, cells[i].y); }, division);
+  divider.divide([&](std::size_t i) { return cut.isBeyond(cells[i]); }, division);
   divider.divide([&](std::size_t i) { return level(i) > kLevel; }, division);
   divider.divide([&](std::size_t i) { return level(i) < -kLevel; }, division);
 }

@@ -6,18 +6,25 @@
 #include <gtest/gtest.h>
 #include <Eigen/Dense>
 
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
 namespace ppc {
 namespace {
 
 using namespace testing_tools;
 
 struct Region : SurfaceRegion {
-  explicit Region(const std::vector<Surface>& surfaces) : SurfaceRegion(surfaces, forwardBeams(40, 60, 0.005)) {}
+  explicit Region(const std::vector<Surface>& surfaces, const BeamGrid& beams = forwardBeams(40, 60, 0.005))
+      : SurfaceRegion(surfaces, beams) {}
 
   // Chi-square of one plane less that of two, by fits; 0 if a side is too small.
   double gainOf(const SurfaceCut& cut, int fewest) const {
     Moments below, beyond;
-    for (const Patch& cell : cells.patches) (cut.isBeyond(xOf(cell), yOf(cell)) ? beyond : below) += cell.moments;
+    for (std::size_t k = 0; k < surface.size(); ++k) {
+      (cut.isBeyond(surface[k]) ? beyond : below) += cells.patches[k].moments;
+    }
     if (below.n < fewest || beyond.n < fewest) return 0.0;
     return fitPlane(all).chi2 - fitPlane(below).chi2 - fitPlane(beyond).chi2;
   }
@@ -55,9 +62,38 @@ TEST(SurfaceCut, IsTheBestOfAllCutsByFitsOfBothSides) {
   }
 }
 
+// Two strips on both sides of an upright crease, seen so far up and down that it is bent in the image.
+Region bentStrips() {
+  const double turn = 0.3;
+  const Eigen::Vector3d normal(-std::cos(turn), std::sin(turn), 0.0), crease(1.0, 0.6, 0.0);
+  return Region(
+      {surfaceOf({{normal, normal.dot(crease)}, [](const Eigen::Vector3d& p) { return p.y() > 0.6 && p.y() < 0.75; }}),
+       surfaceOf(
+           {{-Eigen::Vector3d::UnitX(), -1.0}, [](const Eigen::Vector3d& p) { return p.y() > 0.45 && p.y() <= 0.6; }})},
+      forwardBeams(200, 240, 0.01));
+}
+
+TEST(SurfaceCut, OnThePlaneFollowsACreaseThatIsBentInTheImage) {
+  const Region region = bentStrips();
+  const SurfaceCut cut = bestCutOnPlane(region.surface, 100);
+  EXPECT_NEAR(cut.gain, region.gainOf(cut, 100), 1e-3 * cut.gain);
+  EXPECT_GT(cut.gain, 1.2 * bestCut(region.surface, 100).gain);
+  std::array<int, 2> beyond = {0, 0}, all = {0, 0};  // cells of each strip
+  for (std::size_t k = 0; k < region.surface.size(); ++k) {
+    const Patch& cell = region.cells.patches[k];
+    const std::int32_t strip = region.truth.labels[region.grid.index(cell.row_begin, cell.col_begin)];
+    if (strip == 0 || region.truth.labels[region.grid.index(cell.row_end - 1, cell.col_end - 1)] != strip) continue;
+    ++all[strip - 1];
+    beyond[strip - 1] += cut.isBeyond(region.surface[k]) ? 1 : 0;
+  }
+  EXPECT_GT(std::min(all[0], all[1]), 30);
+  EXPECT_GT(std::abs(static_cast<double>(beyond[0]) / all[0] - static_cast<double>(beyond[1]) / all[1]), 0.95);
+}
+
 TEST(SurfaceCut, OfAPlaneGainsNoMoreThanNoise) {
   const Region region({wall({-1.0, 0.2, 0.1}, -3.0)});
   EXPECT_LT(bestCut(region.surface, 100).gain, 25.0);
+  EXPECT_LT(bestCutOnPlane(region.surface, 100).gain, 25.0);
   EXPECT_LT(bowGain(region.surface), 20.0);
 }
 
@@ -67,6 +103,8 @@ TEST(SurfaceCut, LeavesFewPointsOnNeitherSide) {
   const SurfaceCut cut = bestCut(region.surface, 1000);
   EXPECT_GT(region.gainOf(cut, 1000), 0.0);
   EXPECT_EQ(bestCut({}, 0).gain, 0.0);
+  EXPECT_EQ(bestCutOnPlane(region.surface, 1201).gain, 0.0);
+  EXPECT_EQ(bestCutOnPlane({}, 0).gain, 0.0);
 }
 
 TEST(SurfaceCut, AColumnIsBowedRatherThanCut) {

@@ -45,6 +45,9 @@ struct LabelSplitMemory {
 /// competes for: along the straight cut after which a plane on each side explains most, or by a division of the cells
 /// between two planes (divideSurface()): a door in a wall, an L of two faces of a box.
 ///
+/// Cuts are straight in the image or, where none there will do, on the label's plane (bestCutOnPlane()): long creases are
+/// bent in the image of a tilting scanner. Curved surfaces have better cuts on the plane as well, so that those must
+/// explain 1.5 times what one quadratic surface does, and exceed it by twice as much.
 /// A label is split if two planes explain it far better than one, and than one quadratic surface: that is for the test of
 /// curvature; if their misfit is beyond the tolerance; and if they leave little to explain. Where errors are correlated,
 /// that is what noise may leave after a straight cut. Where they are not, there may be more planes, and up to three times
