@@ -44,6 +44,7 @@ ABLATIONS = {
     'splitting of regions': ['--set', 'split_regions=false'],
     'settlement of borders': ['--set', 'settle_borders=false'],
     'dissolution of regions': ['--set', 'dissolve_regions=false'],
+    'trimming of regions': ['--set', 'trim_regions=false'],
     'borders along creases': ['--set', 'align_creases=false'],
     'filling of holes': ['--set', 'fill_holes=false'],
     'curvature test': ['--set', 'max_turn=10'],

@@ -224,6 +224,10 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
                  config.threads);
     timer.lap("creases");
   }
+  if (config.trim_regions && config.noise_aware) {
+    trimRegions(grid, patches.center, noise, tolerance, smallest, memory.trimming, labels, config.threads);
+    timer.lap("trimming");
+  }
 }
 
 Segmentation segment(const BeamGrid& grid, const Config& config) {

@@ -20,6 +20,7 @@
 #include "patch_plane_clustering/core/region_dissolution.h"
 #include "patch_plane_clustering/core/region_merging.h"
 #include "patch_plane_clustering/core/region_splitting.h"
+#include "patch_plane_clustering/core/region_trimming.h"
 #include "patch_plane_clustering/core/region_statistics.h"
 #include "patch_plane_clustering/core/segmentation.h"
 
@@ -63,6 +64,7 @@ struct ClusteringMemory {
   DissolutionMemory dissolution;
   HoleMemory holes;
   CreaseMemory creases;
+  TrimmingMemory trimming;
   FinishingMemory finishing;
 };
 

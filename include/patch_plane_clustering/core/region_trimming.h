@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/label_runs.h"
+#include "patch_plane_clustering/core/moments.h"
+#include "patch_plane_clustering/core/noise_model.h"
+#include "patch_plane_clustering/core/region_fringe.h"
+#include "patch_plane_clustering/core/segmentation.h"
+#include "patch_plane_clustering/core/similarity.h"
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace ppc {
+
+/// @brief Working memory of trimRegions(), which one image after the other may use.
+struct TrimmingMemory {
+  struct Candidate {  ///< a region that is judged, and its stretches of pixels
+    std::int32_t label;
+    std::size_t begin, end;
+  };
+  struct Point {  ///< about the planes' origin [m], and its weight, see Moments
+    Eigen::Vector3d at;
+    double weight;
+  };
+  struct Work {  ///< of one thread
+    std::vector<Point> points;
+    std::vector<PixelStretch> kept, next;  ///< of the region, what is left of it
+    FringeMemory fringe;
+  };
+  std::vector<LabelRun> runs;           ///< of all labels, then of those that are judged, region by region
+  std::vector<int> points;              ///< of each label
+  std::vector<PixelStretch> stretches;  ///< of the candidates, one after the other
+  std::vector<Candidate> candidates;
+  std::vector<Work> works;
+  std::vector<std::vector<PixelStretch>> left;  ///< of each candidate, what is left of it
+  std::vector<char> trimmed;                    ///< of each candidate, whether that is less than all
+};
+
+/// @brief Takes off small regions what they have of others along their borders, and drops those that are no planes.
+///
+/// Single pixels that a region has of a thin face beside it are within the noise, and turn its plane until they fit; all of
+/// them together are told from noise: chi-square, of noise and CoplanarityTolerance::sigma_distance, with errors capped at
+/// four standard deviations, exceeds the number of points by more than four times what noise lets it vary. From such
+/// regions, those parts of the fringe that are off (offFringe()) are taken, the plane is fitted again, and so on. If it is
+/// still none when no part is off, or a quarter of the points is gone, the region is left as it was if all that planes are
+/// allowed explains its errors, which may be bows of a wall or a sensor's own (the tolerance of angles too, across the
+/// surface, as similarity() has it); if not, it has no label any more: a few leaves of a plant, a corner of three faces.
+/// For errors that are not correlated (CoplanarityTolerance::isWhite()): others exceed chi-square on planes, too. Regions of
+/// more than 4000 points are left as they are: single pixels turn them little. Deterministic; thread-safe with memory of
+/// one's own.
+/// @param center origin of planes, about which beams begin [m]. @param smallest points of a region that is judged.
+/// @param labels of valid and invalid pixels; those that are taken off become 0.
+void trimRegions(const BeamGrid& grid, const Eigen::Vector3d& center, const NoiseModel& noise,
+                 const CoplanarityTolerance& tolerance, int smallest, TrimmingMemory& memory, LabelImage& labels,
+                 int threads = 1);
+
+}  // namespace ppc
