@@ -14,6 +14,7 @@ namespace ppc {
 namespace {
 
 constexpr std::uint32_t kMostPixels = 100000000;  // keeps a corrupt size from eating the memory
+constexpr double kFarthestPose = 1e6;             // [m]
 
 double finiteLimit(float range_max) {
   return std::isinf(range_max) && range_max > 0.0F ? std::numeric_limits<float>::max() : range_max;
@@ -120,6 +121,11 @@ void fromMessage(const RangeImageMsg& message, RangeImage& image) {
   image.line_poses.reserve(message.line_poses.size());
   for (const geometry_msgs::Pose& pose : message.line_poses) image.line_poses.push_back(fromPose(pose));
   checkConsistent(image);
+  for (const Eigen::Isometry3d& pose : image.line_poses) {
+    if (pose.translation().norm() > kFarthestPose) {
+      throw std::invalid_argument("range image: a line pose is more than 1000 km from the origin of its frame");
+    }
+  }
 }
 
 RangeImage fromMessage(const RangeImageMsg& message) {

@@ -99,6 +99,8 @@ TEST(RangeImageConversions, aWrongMessageIsRefusedByName) {
   names("quaternion", [](RangeImageMsg& m) { m.line_poses[0].orientation = geometry_msgs::Quaternion(); });
   names("pose", [](RangeImageMsg& m) { m.line_poses[1].position.x = kInf; });
   names("pose", [](RangeImageMsg& m) { m.line_poses[0].position.z = -1e300; });
+  names("1000 km", [](RangeImageMsg& m) { m.line_poses[1].position.y = 4e31; });
+  names("1000 km", [](RangeImageMsg& m) { m.line_poses[0].position.x = -1.1e6; });
   names("height", [](RangeImageMsg& m) { m.height = 4000000000U; });
   names("empty", [](RangeImageMsg& m) { m.width = 0; });
   names("poses_per_row", [](RangeImageMsg& m) { m.poses_per_row = 0; });

@@ -26,7 +26,8 @@ RangeImageMsg toMessage(const Sweep& sweep, const std_msgs::Header& header);
 /// @brief The accounts as a message; only causes that have occurred.
 LineAccountsMsg toMessage(const LineAccounts& accounts);
 
-/// @brief The message as an image, which satisfies checkConsistent().
+/// @brief The message as an image, which satisfies checkConsistent(). Poses may be 1000 km from the origin of their frame at
+/// most: beams are in single precision, and polygons so far away have no corners.
 /// @throws std::invalid_argument naming the first field that is wrong.
 RangeImage fromMessage(const RangeImageMsg& message);
 
