@@ -14,6 +14,8 @@ constexpr int kMostPoints = 4000;
 constexpr int kRounds = 12;
 constexpr int kFits = 3;              // the first one of all points, then of those that are near
 constexpr double kFarthest2 = 16.0;   // squared error at which a point is an outlier, in variances
+constexpr double kFarthest = 6.0;     // error of a point that counts for its neighbours, in standard deviations
+constexpr double kAgreement = 2.0;    // standard deviations of what errors of neighbours have in common
 constexpr double kSignificant = 4.0;  // standard deviations of chi-square
 constexpr double kFringeLimit = 3.0;  // of errors of the fringe, in standard deviations
 constexpr double kLeastLeft = 0.75;   // of a region's points, that is still the same region
@@ -141,7 +143,7 @@ class Trimmer {
         const Eigen::Vector3d at = grid_.point(i).cast<double>() - center_;
         const double sigma = noise_.sigma(grid_.range[i]), floor = tolerance_.forNoise(sigma).sigma_distance;
         const double variance = sigma * sigma + floor * floor;
-        points.push_back({at, at.squaredNorm() / variance});
+        points.push_back({at, at.squaredNorm() / variance, i});
         variances += variance;
       }
     }
@@ -159,7 +161,7 @@ class Trimmer {
       if (k == 0 && plane.chi2 <= mostOf(sum.n)) return fit;  // so it is with errors capped
       fit.radius = sum.radius();
     }
-    fit.is_plane = isPlane(points, fit.a, [](const Point&) { return 1.0; });
+    fit.is_plane = isPlane(points, fit.a, [](const Point&) { return 1.0; }) || !isSmooth(points, fit.a);
     return fit;
   }
 
@@ -167,6 +169,33 @@ class Trimmer {
   static double squaredError(const Point& point, const Eigen::Vector3d& a) {
     const double along = a.dot(point.at), missed = 1.0 - along;
     return along > 0.0 ? point.weight * missed * missed / (along * along) : kFarthest2;
+  }
+
+  // Whether errors of neighbours in a row or column agree, as those of another plane's points do; those of noise larger than
+  // it is known to be, on dark surfaces or far away, do not.
+  bool isSmooth(const std::vector<Point>& points, const Eigen::Vector3d& a) const {
+    double products = 0.0, squares = 0.0;
+    int pairs = 0;
+    std::size_t above = 0;
+    const auto errorOf = [&](const Point& point) {
+      const double along = a.dot(point.at);
+      const double error = along > 0.0 ? std::sqrt(point.weight) * (1.0 - along) / along : 0.0;
+      return std::abs(error) < kFarthest ? error : 0.0;
+    };
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const double error = errorOf(points[k]);
+      squares += error * error;
+      if (k > 0 && points[k - 1].pixel + 1 == points[k].pixel && points[k].pixel % grid_.cols != 0) {
+        products += error * errorOf(points[k - 1]);
+        ++pairs;
+      }
+      while (points[above].pixel + grid_.cols < points[k].pixel) ++above;
+      if (points[above].pixel + grid_.cols == points[k].pixel) {
+        products += error * errorOf(points[above]);
+        ++pairs;
+      }
+    }
+    return products * static_cast<double>(points.size()) > kAgreement * squares * std::sqrt(static_cast<double>(pairs));
   }
 
   // Whether chi-square is what noise makes it. @param scaleOf what a point's variance is over what its weight tells.

@@ -88,6 +88,15 @@ TEST(TrimRegions, LeavesPlanesAsTheyAre) {
   }
 }
 
+TEST(TrimRegions, LeavesPlanesWhoseNoiseIsLargerThanKnown) {
+  Scene scene({between(kWall, -0.6, 0.6)});
+  scene.tolerance.sigma_distance = 0.002;
+  scene.tolerance.sigma_angle = 0.0;
+  scene.noise = NoiseModel(SensorModel{0.5 * kNoise, 0.5 * kNoise, 10.0, 0.0}, 1.0);
+  ASSERT_GT(countOf(scene.truth, 1), 2000);
+  EXPECT_EQ(scene.trimmed().labels, scene.labels.labels);
+}
+
 TEST(TrimRegions, LeavesWhatItCannotJudge) {
   Scene correlated = boardWithSide();
   correlated.tolerance.inflation = 2.0;

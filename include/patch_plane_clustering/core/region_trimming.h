@@ -22,9 +22,10 @@ struct TrimmingMemory {
     std::int32_t label;
     std::size_t begin, end;
   };
-  struct Point {  ///< about the planes' origin [m], and its weight, see Moments
+  struct Point {  ///< about the planes' origin [m], its weight, see Moments, and where it is in the image
     Eigen::Vector3d at;
     double weight;
+    int pixel;
   };
   struct Work {  ///< of one thread
     std::vector<Point> points;
@@ -44,7 +45,8 @@ struct TrimmingMemory {
 ///
 /// Single pixels that a region has of a thin face beside it are within the noise, and turn its plane until they fit; all of
 /// them together are told from noise: chi-square, of noise and CoplanarityTolerance::sigma_distance, with errors capped at
-/// four standard deviations, exceeds the number of points by more than four times what noise lets it vary. From such
+/// four standard deviations, exceeds the number of points by more than four times what noise lets it vary, and errors of
+/// neighbours agree: noise that is larger than known, on dark surfaces or far away, is not smooth. From such
 /// regions, those parts of the fringe that are off (offFringe()) are taken, the plane is fitted again, and so on. If it is
 /// still none when no part is off, or a quarter of the points is gone, the region is left as it was if all that planes are
 /// allowed explains its errors, which may be bows of a wall or a sensor's own (the tolerance of angles too, across the
