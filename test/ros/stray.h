@@ -19,6 +19,11 @@ class Stray {
   ~Stray() {
     if (process_ == 0) return;
     kill(process_, SIGTERM);
+    for (int k = 0; k < 50; ++k) {  // now and then rospy does not end, however often it is told to
+      if (waitpid(process_, nullptr, WNOHANG) != 0) return;
+      usleep(100000);
+    }
+    kill(process_, SIGKILL);
     waitpid(process_, nullptr, 0);
   }
   Stray(const Stray&) = delete;
