@@ -119,16 +119,12 @@ class Dissolver {
     for (const LabelRun& run : runs_) {
       if (all ? isJudged(run.label) : isThin(run.label)) runs.push_back(run);
     }
-    std::sort(runs.begin(), runs.end(), [](const LabelRun& a, const LabelRun& b) {
-      return a.label != b.label ? a.label < b.label : a.begin < b.begin;
-    });
+    sortByLabel(runs);
     memory_.candidates.clear();
-    for (std::size_t begin = 0, end = 0; begin < runs.size(); begin = end) {
-      const std::int32_t label = runs[begin].label;
-      for (end = begin; end < runs.size() && runs[end].label == label;) ++end;
+    forEachLabel(runs, [&](std::int32_t label, std::size_t begin, std::size_t end) {
       if (isThin(label)) countInside(label, begin, end);
       if (all || isThin(label)) memory_.candidates.push_back({label, begin, end});
-    }
+    });
   }
 
   // Lists the points of a region, and what is around it.

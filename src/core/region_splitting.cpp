@@ -164,7 +164,7 @@ class LabelSplitter {
       surface.push_back({xOf(places_[i]), yOf(places_[i], aspect), frame.measure(momentsOf(places_[i]))});
     }
     const double bow = bowGain(surface);
-    const SurfaceCut cut = findCut(surface, bow);
+    const SurfaceCut cut = findCut(surface, bow, large);
     const bool may_cut = cut.gain >= significance() && (!large || fit.chi2 > kLargeMisfit * all.n);
     const bool may_divide = is_misfit && fit.chi2 >= kLeastMisfit * all.n && isDivided(part, cut, work);
     if (!may_cut && !may_divide) return false;
@@ -177,11 +177,15 @@ class LabelSplitter {
 
   // Straight in the image or, if there is none that will do, on the plane, where it must explain more, as a curved surface
   // has better ones there.
-  SurfaceCut findCut(const Surface& surface, double bow) const {
+  SurfaceCut findCut(const Surface& surface, double bow, bool large) const {
     const SurfaceCut cut = bestCut(surface, smallest_side_);
-    if (cut.gain >= bow + significance()) return cut;
+    if (mayCut(cut, bow, large)) return cut;
     const SurfaceCut on_plane = bestCutOnPlane(surface, smallest_side_);
     return on_plane.gain >= std::max(kPlaneCutGain * bow, bow + 2.0 * significance()) ? on_plane : cut;
+  }
+
+  bool mayCut(const SurfaceCut& cut, double bow, bool large) const {
+    return cut.gain >= bow + significance() && (!large || cut.gain >= kLargeGain * bow);
   }
 
   double significance() const { return kSignificance * tolerance_.inflationOf(smallest_side_); }
@@ -189,7 +193,7 @@ class LabelSplitter {
   bool isSplitByCut(const Part& part, const SurfaceCut& cut, double bow, const PlaneFit& fit, const Surface& surface,
                     LabelSplit& split) const {
     const bool large = isLarge(part);
-    if (!(cut.gain >= bow + significance()) || (large && !(cut.gain >= kLargeGain * bow))) return false;
+    if (!mayCut(cut, bow, large)) return false;
     split.beyond.clear();
     for (const SurfaceCell& cell : surface) split.beyond.push_back(cut.isBeyond(cell) ? 1 : 0);
     if (!fitSides(part, split) || (large && !split.areParallel())) return false;

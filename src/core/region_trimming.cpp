@@ -11,7 +11,7 @@ namespace ppc {
 namespace {
 
 constexpr int kMostPoints = 4000;
-constexpr int kRounds = 12;
+constexpr int kRounds = 12, kToleratedRounds = 3;
 constexpr int kFits = 3;              // the first one of all points, then of those that are near
 constexpr double kFarthest2 = 16.0;   // squared error at which a point is an outlier, in variances
 constexpr double kFarthest = 6.0;     // error of a point that counts for its neighbours, in standard deviations
@@ -69,19 +69,13 @@ class Trimmer {
       return memory_.points[run.label] >= smallest_ && memory_.points[run.label] <= kMostPoints;
     };
     runs.erase(std::remove_if(runs.begin(), runs.end(), [&](const LabelRun& run) { return !is_judged(run); }), runs.end());
-    std::sort(runs.begin(), runs.end(), [](const LabelRun& a, const LabelRun& b) {
-      return a.label != b.label ? a.label < b.label : a.begin < b.begin;
-    });
+    sortByLabel(runs);
     memory_.stretches.clear();
+    for (const LabelRun& run : runs) memory_.stretches.push_back({run.begin, run.end});
     memory_.candidates.clear();
-    for (const LabelRun& run : runs) {
-      const std::size_t at = memory_.stretches.size();
-      if (memory_.candidates.empty() || memory_.candidates.back().label != run.label) {
-        memory_.candidates.push_back({run.label, at, at});
-      }
-      memory_.stretches.push_back({run.begin, run.end});
-      memory_.candidates.back().end = at + 1;
-    }
+    forEachLabel(runs, [&](std::int32_t label, std::size_t begin, std::size_t end) {
+      memory_.candidates.push_back({label, begin, end});
+    });
   }
 
   // @return whether less is left of it than all: work.kept.
@@ -89,26 +83,21 @@ class Trimmer {
     Stretches& kept = work.kept;
     kept.assign(memory_.stretches.begin() + static_cast<std::ptrdiff_t>(region.begin),
                 memory_.stretches.begin() + static_cast<std::ptrdiff_t>(region.end));
-    bool trimmed = false, tolerated = false;
-    for (int round = 0; round < kRounds; ++round) {
-      const Fit fit = fitTo(work);
-      if (fit.is_plane) return trimmed;
-      if (round == 0) tolerated = isTolerated(work.points, fit);
+    Fit fit = fitTo(work);
+    const auto all = static_cast<double>(work.points.size());
+    if (fit.is_plane || all < smallest_) return false;
+    const bool tolerated = isTolerated(work.points, fit);
+    for (int round = tolerated ? kToleratedRounds : kRounds; round > 0; --round) {
       const Stretches& off = offFringe(grid_, kept.data(), kept.data() + kept.size(), planeOf(fit.a), fit.sigma,
                                        {kFringeLimit * fit.sigma, 0.0}, work.fringe);
       if (off.empty()) break;
       remove(off, work);
-      trimmed = true;
-      if (sizeOf(kept) < kLeastLeft * memory_.points[region.label]) break;
+      fit = fitTo(work);
+      if (static_cast<double>(work.points.size()) < kLeastLeft * all) break;
+      if (fit.is_plane) return true;
     }
     kept.clear();
     return !tolerated;
-  }
-
-  static int sizeOf(const Stretches& stretches) {
-    int size = 0;
-    for (const PixelStretch& stretch : stretches) size += stretch.end - stretch.begin;
-    return size;
   }
 
   // Takes stretches of them off those that are kept, all in scan order.
@@ -129,6 +118,7 @@ class Trimmer {
   struct Fit {
     Eigen::Vector3d a = Eigen::Vector3d::Zero();
     double radius = 0.0, sigma = 0.0;  // of the points; root of the mean variance of one [m]
+    double noise = 0.0;                // root of the mean variance of one, of noise alone [m]
     bool is_plane = true;              // as few points as none tell
   };
 
@@ -136,7 +126,7 @@ class Trimmer {
   Fit fitTo(Work& work) const {
     std::vector<Point>& points = work.points;
     points.clear();
-    double variances = 0.0;
+    double variances = 0.0, noises = 0.0;
     for (const PixelStretch& stretch : work.kept) {
       for (int i = stretch.begin; i < stretch.end; ++i) {
         if (!grid_.valid(i)) continue;
@@ -145,17 +135,23 @@ class Trimmer {
         const double variance = sigma * sigma + floor * floor;
         points.push_back({at, at.squaredNorm() / variance, i});
         variances += variance;
+        noises += sigma * sigma;
       }
     }
     Fit fit;
-    fit.sigma = std::sqrt(variances / std::max<double>(1.0, static_cast<double>(points.size())));
+    const double count = std::max<double>(1.0, static_cast<double>(points.size()));
+    fit.sigma = std::sqrt(variances / count);
+    fit.noise = std::sqrt(noises / count);
     for (int k = 0; k < kFits; ++k) {
       Moments sum;
       for (const Point& point : points) {
         if (k > 0 && !(squaredError(point, fit.a) < kFarthest2)) continue;
         sum.add(point.at.x(), point.at.y(), point.at.z(), point.weight);
       }
-      if (sum.n < kFewestPoints) return fit;
+      if (sum.n < kFewestPoints) {
+        fit.is_plane = k == 0;  // else none of many is near the plane of all
+        return fit;
+      }
       const PlaneFit plane = fitPlane(sum);
       fit.a = plane.a;
       if (k == 0 && plane.chi2 <= mostOf(sum.n)) return fit;  // so it is with errors capped
@@ -209,12 +205,13 @@ class Trimmer {
 
   // Whether it is with all that planes are allowed, turned by the angle and seen at a slant.
   bool isTolerated(const std::vector<Point>& points, const Fit& fit) const {
-    const CoplanarityTolerance tolerance = tolerance_.forNoise(fit.sigma);
+    const CoplanarityTolerance tolerance = tolerance_.forNoise(fit.noise);
+    const double known2 = tolerance.sigma_distance * tolerance.sigma_distance;  // of which the weights know
     const double turned = tolerance.sigma_angle * fit.radius;
-    const double tau2 = tolerance.sigma_distance * tolerance.sigma_distance + turned * turned;
     return isPlane(points, fit.a, [&](const Point& point) {
       const double range2 = point.at.squaredNorm();
-      return 1.0 + tau2 * secantSquared(fit.a, std::sqrt(range2)) * point.weight / range2;
+      const double tau2 = (known2 + turned * turned) * secantSquared(fit.a, std::sqrt(range2));
+      return 1.0 + (tau2 - known2) * point.weight / range2;
     });
   }
 

@@ -32,8 +32,11 @@ struct Scene {
   }
 
   LabelImage trimmed(int threads = 1) const {
-    LabelImage result = labels;
     TrimmingMemory memory;
+    return trimmed(threads, memory);
+  }
+  LabelImage trimmed(int threads, TrimmingMemory& memory) const {
+    LabelImage result = labels;
     trimRegions(grid, Eigen::Vector3d::Zero(), noise, tolerance, kSmallest, memory, result, threads);
     LabelImage again = labels;
     trimRegions(grid, Eigen::Vector3d::Zero(), noise, tolerance, kSmallest, memory, again, threads);
@@ -70,7 +73,31 @@ TEST(TrimRegions, TakesOffWhatLiesAlongABorder) {
   const LabelImage result = scene.trimmed();
   EXPECT_GT(scene.keptOf(1, result), 0.9);
   EXPECT_LT(scene.keptOf(2, result), 0.5);
-  EXPECT_EQ(scene.trimmed(2).labels, result.labels);
+}
+
+// A board and its side, a plane and a ball, each a region.
+Scene threeRegions() {
+  const Plane side{Eigen::Vector3d(-0.3, 1.0, 0.0).normalized(),
+                   Eigen::Vector3d(-0.3, 1.0, 0.0).normalized().dot(Eigen::Vector3d(2.0, -0.3, 0.0))};
+  Scene scene(
+      {between(kWall, -0.46, -0.3), between(side, -0.3, -0.28), between(kWall, -0.1, 0.3), ball({2.0, 0.6, 0.0}, 0.18)});
+  const std::int32_t regions[] = {0, 1, 1, 2, 3};
+  for (int i = 0; i < scene.grid.size(); ++i) scene.labels.labels[i] = regions[scene.truth.labels[i]];
+  return scene;
+}
+
+TEST(TrimRegions, JudgesRegionsOneByOneOnAnyThread) {
+  const Scene scene = threeRegions();
+  TrimmingMemory memory;
+  const LabelImage result = scene.trimmed(1, memory);
+  EXPECT_GT(scene.keptOf(1, result), 0.9);
+  EXPECT_LT(scene.keptOf(2, result), 0.5);
+  EXPECT_EQ(scene.keptOf(3, result), 1.0);
+  EXPECT_EQ(scene.keptOf(4, result), 0.0);
+  for (int threads = 2; threads <= 4; ++threads) EXPECT_EQ(scene.trimmed(threads).labels, result.labels);
+  const LabelImage other = boardWithSide().trimmed(1, memory);  // with memory of another image
+  EXPECT_EQ(other.labels, boardWithSide().trimmed().labels);
+  EXPECT_EQ(scene.trimmed(2, memory).labels, result.labels);
 }
 
 TEST(TrimRegions, DropsWhatIsNoPlane) {
@@ -112,15 +139,59 @@ TEST(TrimRegions, LeavesWhatItCannotJudge) {
   EXPECT_EQ(small.trimmed().labels, small.labels.labels);
 }
 
-TEST(TrimRegions, LeavesWhatASensorsOwnErrorsMayBend) {
-  Scene scene({column(8.0, 0.0, 6.0)});  // 2 m away, it sags by 3 cm
+// A column 2 m away, of which 60 of 100 columns are one region.
+Scene bowedStrip(double radius) {
+  Scene scene({column(2.0 + radius, 0.0, radius)});
   for (int i = 0; i < scene.grid.size(); ++i) {
     if (i % scene.grid.cols < 20 || i % scene.grid.cols >= 80) scene.labels.labels[i] = 0;
   }
+  return scene;
+}
+
+TEST(TrimRegions, LeavesWhatASensorsOwnErrorsMayBend) {
+  Scene scene = bowedStrip(6.0);  // sags by 3 cm
   ASSERT_LE(countOf(scene.labels, 1), 4000);
   EXPECT_EQ(scene.trimmed().labels, scene.labels.labels);
   scene.tolerance.sigma_angle = 0.0;
   EXPECT_EQ(countOf(scene.trimmed(), 1), 0);
+}
+
+TEST(TrimRegions, TakesThreePixelsAtMostOffABowThatIsTolerated) {
+  for (double radius = 7.0; radius <= 12.0; radius += 0.1) {
+    const Scene scene = bowedStrip(radius);
+    const LabelImage result = scene.trimmed();
+    for (int i = 0; i < scene.grid.size(); ++i) {
+      const int c = i % scene.grid.cols, r = i / scene.grid.cols;
+      if (c < 23 || c >= 77 || r < 3 || r >= scene.grid.rows - 3) continue;
+      ASSERT_EQ(result.labels[i], 1) << radius << ", row " << r << ", column " << c;
+    }
+  }
+}
+
+TEST(TrimRegions, ToleratesLessOfAFineSensor) {
+  Scene scene = bowedStrip(1.6);  // sags by 13 cm, of which a tenth is left, and a tenth of the noise
+  for (int i = 0; i < scene.grid.size(); ++i) {
+    const double flat = 2.0 / scene.grid.direction(i).x();
+    scene.grid.range[i] = static_cast<float>(flat + 0.1 * (scene.grid.range[i] - flat));
+  }
+  scene.noise = NoiseModel(SensorModel{0.1 * kNoise, 0.1 * kNoise, 10.0, 0.0}, 1.0);
+  scene.tolerance.sigma_angle = 0.0;
+  EXPECT_EQ(countOf(scene.trimmed(), 1), 0);
+}
+
+TEST(TrimRegions, DropsWhatIsNowhereNearItsPlane) {
+  const auto quadrant = [](double distance, bool left, bool up) {
+    return surfaceOf({{-Eigen::Vector3d::UnitX(), -distance},
+                      [=](const Eigen::Vector3d& p) { return (p.y() > 0.0) == left && (p.z() > 0.0) == up; }});
+  };
+  const Scene scene(
+      {quadrant(2.0, true, true), quadrant(3.0, true, false), quadrant(3.0, false, true), quadrant(2.0, false, false)});
+  Scene middle = scene;
+  for (int i = 0; i < middle.grid.size(); ++i) {
+    if (i % middle.grid.cols < 20 || i % middle.grid.cols >= 80) middle.labels.labels[i] = 0;
+  }
+  ASSERT_LE(countOf(middle.labels, 1), 4000);
+  EXPECT_EQ(countOf(middle.trimmed(), 1), 0);
 }
 
 }  // namespace

@@ -115,6 +115,22 @@ inline std::int32_t highestLabel(const std::vector<LabelRun>& runs) {
   return highest;
 }
 
+/// Puts runs into the order of their labels, those of one label in scan order.
+inline void sortByLabel(std::vector<LabelRun>& runs) {
+  std::sort(runs.begin(), runs.end(),
+            [](const LabelRun& a, const LabelRun& b) { return a.label != b.label ? a.label < b.label : a.begin < b.begin; });
+}
+
+/// Calls f(label, begin, end) for the runs [begin, end) of each label. @param runs sorted by label.
+template <typename F>
+void forEachLabel(const std::vector<LabelRun>& runs, F&& f) {
+  for (std::size_t begin = 0, end = 0; begin < runs.size(); begin = end) {
+    const std::int32_t label = runs[begin].label;
+    for (end = begin; end < runs.size() && runs[end].label == label;) ++end;
+    f(label, begin, end);
+  }
+}
+
 /// Replaces the labels of runs [begin, end) by names[label].
 inline void renameLabels(const std::vector<std::int32_t>& names, const LabelRun* begin, const LabelRun* end,
                          LabelImage& labels) {

@@ -50,11 +50,13 @@ struct TrimmingMemory {
 /// regions, those parts of the fringe that are off (offFringe()) are taken, the plane is fitted again, and so on. If it is
 /// still none when no part is off, or a quarter of the points is gone, the region is left as it was if all that planes are
 /// allowed explains its errors, which may be bows of a wall or a sensor's own (the tolerance of angles too, across the
-/// surface, as similarity() has it); if not, it has no label any more: a few leaves of a plant, a corner of three faces.
+/// surface, as similarity() has it), and from such regions no more than three pixels are taken in depth; if not, it has no
+/// label any more: a few leaves of a plant, a corner of three faces.
 /// For errors that are not correlated (CoplanarityTolerance::isWhite()): others exceed chi-square on planes, too. Regions of
 /// more than 4000 points are left as they are: single pixels turn them little. Deterministic; thread-safe with memory of
 /// one's own.
-/// @param center origin of planes, about which beams begin [m]. @param smallest points of a region that is judged.
+/// @param center origin of planes, about which beams begin [m]. @param smallest points of a region that is judged, with a
+/// measurement.
 /// @param labels of valid and invalid pixels; those that are taken off become 0.
 void trimRegions(const BeamGrid& grid, const Eigen::Vector3d& center, const NoiseModel& noise,
                  const CoplanarityTolerance& tolerance, int smallest, TrimmingMemory& memory, LabelImage& labels,

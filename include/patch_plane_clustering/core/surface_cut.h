@@ -58,8 +58,8 @@ class SurfaceFrame {
   /// @param fit that of `sum`.
   SurfaceFrame(const Moments& sum, const PlaneFit& fit);
 
-  /// @param cell weighed with the noise, about the same origin.
-  SurfaceSums measure(const Moments& cell) const;
+  /// @param m of a cell, weighed with the noise, about the same origin.
+  SurfaceSums measure(const Moments& m) const;
 
  private:
   Eigen::Vector3d a_, u_, v_;  // the places of p are a . p, u . p and v . p
