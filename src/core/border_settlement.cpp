@@ -149,20 +149,15 @@ void writeNames(const LabelPieces& before, const std::vector<std::int32_t>& whol
     }
     return was != 0 && before.whole[was] == whole[piece] ? 0 : name;
   };
-  const int count = static_cast<int>(memory.runs.size()), parts = rangeCount(threads, count);
-  std::vector<std::vector<LabelRun>>& rest = memory.rest;  // the first part's go where all will be
-  if (rest.size() + 1 < static_cast<std::size_t>(parts)) rest.resize(static_cast<std::size_t>(parts - 1));
-  forEachPart(threads, parts, [&](int part) {
-    std::vector<LabelRun>& settled = part == 0 ? memory.settled : rest[part - 1];
-    settled.clear();
+  const auto write_all = [&](int, int first, int last, std::vector<LabelRun>& settled) {
     const auto write = [&](std::int32_t piece, std::int32_t was, int begin, int end) {
       const std::int32_t name = nameOf(piece, was);
       std::fill(labels.labels.begin() + begin, labels.labels.begin() + end, name);
       if (name != 0) appendRun({name, begin, end}, settled);
     };
-    forEachStretch(before, runs + partBegin(count, parts, part), runs + partBegin(count, parts, part + 1), write);
-  });
-  for (int part = 1; part < parts; ++part) appendRuns(rest[part - 1], memory.settled);
+    forEachStretch(before, runs + first, runs + last, write);
+  };
+  gatherRuns(threads, static_cast<int>(memory.runs.size()), memory.listing, memory.settled, write_all);
 }
 
 }  // namespace

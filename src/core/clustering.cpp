@@ -7,7 +7,9 @@
 #include "patch_plane_clustering/core/running_plane.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 namespace ppc {
@@ -19,11 +21,12 @@ constexpr double kOneRing = 0.7;
 constexpr double kTwoRings = 1.5;
 constexpr double kNearlyOneRing = 0.69;  // less, for patches that may be beyond
 constexpr int kClusterSizes = 3;         // size of a cluster over that of such surroundings before they are asked
+using Seed = std::pair<double, int>;     // roughness and index of a patch
 constexpr char kNotPlanar = 0, kPlanar = 1, kUncertain = 2;
 constexpr int kInflationPatches = 3000;
-constexpr int kFewPatches = 2000;           // not worth a second thread
-constexpr std::ptrdiff_t kSortedShare = 8;  // of the seeds, the part that is sorted at a time
-constexpr std::ptrdiff_t kLeastSorted = 64;
+constexpr int kFewPatches = 2000;  // not worth a second thread
+// Of the seeds, so many are sorted at a time: what is no worse than the pivot of a sample.
+constexpr std::ptrdiff_t kFewSeeds = 256, kSampledSeeds = 128, kPivotRank = 4;
 
 double excess(const Moments& a, const PlaneFit& fit_a, const Moments& b, const PlaneFit& fit_b) {
   return fitPlane(a + b).chi2 - fit_a.chi2 - fit_b.chi2;
@@ -117,6 +120,21 @@ void measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const C
       memory.around.push_back(part.around[k]);
     }
   }
+}
+
+// Sorts the best of the seeds from `next` on, which are those before the returned place.
+std::vector<Seed>::iterator sortBest(std::vector<Seed>& seeds, std::vector<Seed>::iterator next) {
+  const std::ptrdiff_t rest = seeds.end() - next;
+  auto best_end = seeds.end();
+  if (rest > kFewSeeds) {
+    std::array<Seed, kSampledSeeds> sample;
+    for (std::ptrdiff_t k = 0; k < kSampledSeeds; ++k) sample[static_cast<std::size_t>(k)] = next[k * rest / kSampledSeeds];
+    std::nth_element(sample.begin(), sample.begin() + kPivotRank, sample.end());
+    const Seed pivot = sample[kPivotRank];
+    best_end = std::partition(next, seeds.end(), [&](const Seed& seed) { return seed <= pivot; });
+  }
+  std::sort(next, best_end);
+  return best_end;
 }
 
 // What growth asks of every planar patch. No patch has surroundings or a cluster yet.
@@ -231,16 +249,13 @@ void growClusters(const PatchGrid& grid, const NoiseModel& noise, const Coplanar
 
   const double greatest = greatestMisfit(threshold), noise_misfit = 3.0 * tolerance.inflation;
   std::vector<int>& queue = out.members;
-  const auto grown = [&](const std::pair<double, int>& seed) { return out.cluster_of[seed.second] >= 0; };
+  const auto grown = [&](const Seed& seed) { return out.cluster_of[seed.second] >= 0; };
   auto sorted_end = memory.seeds.begin();
   for (auto next = memory.seeds.begin(); next != memory.seeds.end(); ++next) {
     if (next == sorted_end) {  // the best of the rest; later on most of them have grown into a cluster
       memory.seeds.erase(std::remove_if(next, memory.seeds.end(), grown), memory.seeds.end());
       if (next == memory.seeds.end()) break;
-      const auto rest = memory.seeds.end() - next;
-      sorted_end = next + std::min(rest, std::max(kLeastSorted, rest / kSortedShare));
-      std::nth_element(next, sorted_end - 1, memory.seeds.end());
-      std::sort(next, sorted_end);
+      sorted_end = sortBest(memory.seeds, next);
     }
     const int seed = next->second;
     if (grown(*next)) continue;

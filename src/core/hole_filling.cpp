@@ -136,10 +136,10 @@ class HoleFiller {
 
 void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
                const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, HoleMemory& memory,
-               LabelImage& labels, std::vector<LabelRun>& runs) {
+               LabelImage& labels, std::vector<LabelRun>& runs, int threads) {
   const BeamPlanes of_labels(grid, planes, center, noise, tolerance);
   HoleFiller filler(grid, of_labels, tolerance, smallest, memory, labels, runs);
-  if (filler.fillAll()) listRuns(labels, runs);
+  if (filler.fillAll()) listRuns(labels, memory.listing, runs, threads);
 }
 
 }  // namespace ppc

@@ -152,15 +152,16 @@ class PatchFitter {
 };
 
 // How many patches there are before each part of the bands, and in all.
-void countBefore(int bands, const PatchGrid& grid, std::vector<int>& before) {
+void countBefore(int bands, const PatchGrid& grid, int threads, std::vector<int>& before) {
   const int parts = static_cast<int>(before.size()) - 1;
   before[0] = 0;
-  for (int part = 0; part < parts; ++part) {
+  forEachPart(threads, parts, [&](int part) {
     int count = 0;
     forEachBlock(grid, partBegin(bands, parts, part), partBegin(bands, parts, part + 1),
                  [&](int strip, int k) { count += grid.patch_of_block[grid.strip_begin[strip] + k] + 1; });
-    before[part + 1] = before[part] + count;
-  }
+    before[part + 1] = count;
+  });
+  std::partial_sum(before.begin(), before.end(), before.begin());
 }
 
 // Numbers and lays out the patches of the blocks of a band that are marked, from `next` on. Returns what is next.
@@ -253,7 +254,7 @@ void makePatchGrid(const BeamGrid& grid, int patch_size, const AngularSteps& ste
   const int bands = bandsOf(out), parts = rangeCount(threads, bands);
   std::vector<int>& before = memory.patches_before;
   before.resize(static_cast<std::size_t>(parts) + 1);
-  countBefore(bands, out, before);
+  countBefore(bands, out, threads, before);
   out.patches.resize(static_cast<std::size_t>(before.back()));
   forEachPart(threads, parts, [&](int part) {
     const int first = partBegin(bands, parts, part), last = partBegin(bands, parts, part + 1);

@@ -26,8 +26,14 @@ constexpr float kFarthestOf2 = 9.0F;  // and at which it is not of a plane
 class Dissolver {
  public:
   Dissolver(const BeamGrid& grid, const BeamPlanes& planes, int smallest, DissolutionMemory& memory, LabelImage& labels,
-            std::vector<LabelRun>& runs)
-      : grid_(grid), planes_(planes), smallest_(smallest), memory_(memory), labels_(labels), runs_(runs) {}
+            std::vector<LabelRun>& runs, int threads)
+      : grid_(grid),
+        planes_(planes),
+        smallest_(smallest),
+        memory_(memory),
+        labels_(labels),
+        runs_(runs),
+        threads_(threads) {}
 
   /// @param correlated whether noise makes bumps.
   void dissolveAll(bool correlated) {
@@ -51,7 +57,7 @@ class Dissolver {
       measure(region.label, memory_.pixels.size());
       giveAway(region.label);
     }
-    if (!memory_.candidates.empty()) listRuns(labels_, runs_);
+    if (!memory_.candidates.empty()) listRuns(labels_, memory_.listing, runs_, threads_);
   }
 
  private:
@@ -111,9 +117,12 @@ class Dissolver {
   void listCandidates(bool all) {
     std::vector<int>& inside = memory_.inside;
     inside.assign(planes_.size(), 0);
-    for (const LabelRun& run : runs_) {
-      if (isJudged(run.label)) inside[run.label] += countSurelyInside(run);
-    }
+    std::vector<int>& run_inside = memory_.run_inside;
+    run_inside.resize(runs_.size());
+    forEachRange(threads_, static_cast<int>(runs_.size()), [&](int begin, int end) {
+      for (int k = begin; k < end; ++k) run_inside[k] = isJudged(runs_[k].label) ? countSurelyInside(runs_[k]) : 0;
+    });
+    for (std::size_t k = 0; k < runs_.size(); ++k) inside[runs_[k].label] += run_inside[k];
     std::vector<LabelRun>& runs = memory_.candidate_runs;
     runs.clear();
     for (const LabelRun& run : runs_) {
@@ -279,15 +288,16 @@ class Dissolver {
   DissolutionMemory& memory_;
   LabelImage& labels_;
   std::vector<LabelRun>& runs_;
+  int threads_;
 };
 
 }  // namespace
 
 void dissolveRegions(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
                      const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, DissolutionMemory& memory,
-                     LabelImage& labels, std::vector<LabelRun>& runs) {
+                     LabelImage& labels, std::vector<LabelRun>& runs, int threads) {
   const BeamPlanes of_labels(grid, planes, center, noise, tolerance);
-  Dissolver(grid, of_labels, smallest, memory, labels, runs).dissolveAll(tolerance.inflation_growth > 0.0);
+  Dissolver(grid, of_labels, smallest, memory, labels, runs, threads).dissolveAll(tolerance.inflation_growth > 0.0);
 }
 
 }  // namespace ppc

@@ -28,7 +28,7 @@ constexpr double kCreaseTolerance = 0.8;   // of a part turned by more than kBow
 constexpr double kCreaseSignificance = 50.0;
 constexpr int kBorderSteps = 2;  // depth of a border in cells
 constexpr int kMinBorderPoints = 6;
-constexpr int kFewPairs = 100;  // not worth a second thread
+constexpr int kFewPairs = 24;  // not worth a second thread
 
 using Whole = MergeMemory::Whole;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "patch_plane_clustering/core/parallel.h"
 #include "patch_plane_clustering/core/region_statistics.h"
+#include "patch_plane_clustering/core/run_listing.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -12,13 +12,12 @@ namespace {
 
 constexpr int kStretch = 4096;  // pixels whose labels are listed while they are at hand
 
-// Clears the labels of pixels [first, last) without a measurement, and lists the runs of what is left. @return how many
+// Clears the labels of pixels [first, last) without a measurement, and appends the runs of what is left. @return how many
 // have one.
 int clearUnmeasured(const BeamGrid& grid, int first, int last, LabelImage& labels, std::vector<LabelRun>& runs) {
   const float* const ranges = grid.range.data();
   std::int32_t* const pixels = labels.labels.data();
   int valid_points = 0;
-  runs.clear();
   for (int begin = first; begin < last; begin += kStretch) {
     const int end = std::min(begin + kStretch, last);
     for (int i = begin; i < end; ++i) {  // without branches, so that it becomes vector code
@@ -38,15 +37,10 @@ int clearUnmeasured(const BeamGrid& grid, int first, int last, LabelImage& label
 // The same of the whole image.
 int clearUnmeasured(const BeamGrid& grid, RenumberingMemory& memory, LabelImage& labels, std::vector<LabelRun>& runs,
                     int threads) {
-  const int parts = rangeCount(threads, grid.size());
-  std::vector<std::vector<LabelRun>>& rest = memory.rest;
-  if (rest.size() + 1 < static_cast<std::size_t>(parts)) rest.resize(static_cast<std::size_t>(parts - 1));
-  memory.valid.resize(static_cast<std::size_t>(parts));
-  forEachPart(threads, parts, [&](int part) {
-    memory.valid[part] = clearUnmeasured(grid, partBegin(grid.size(), parts, part), partBegin(grid.size(), parts, part + 1),
-                                         labels, part == 0 ? runs : rest[part - 1]);
+  memory.valid.resize(static_cast<std::size_t>(rangeCount(threads, grid.size())));
+  gatherRuns(threads, grid.size(), memory.listing, runs, [&](int part, int begin, int end, std::vector<LabelRun>& out) {
+    memory.valid[part] = clearUnmeasured(grid, begin, end, labels, out);
   });
-  for (int part = 1; part < parts; ++part) appendRuns(rest[part - 1], runs);
   return std::accumulate(memory.valid.begin(), memory.valid.end(), 0);
 }
 

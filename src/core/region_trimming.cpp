@@ -39,7 +39,7 @@ class Trimmer {
         labels_(labels) {}
 
   void trimAll(int threads) {
-    listCandidates();
+    listCandidates(threads);
     const auto count = static_cast<int>(memory_.candidates.size());
     memory_.left.resize(std::max(memory_.left.size(), memory_.candidates.size()));  // what each has is kept
     memory_.trimmed.assign(memory_.candidates.size(), 0);
@@ -60,9 +60,9 @@ class Trimmer {
     std::fill(labels_.labels.begin() + stretch.begin, labels_.labels.begin() + stretch.end, label);
   }
 
-  void listCandidates() {
+  void listCandidates(int threads) {
     std::vector<LabelRun>& runs = memory_.runs;
-    listRuns(labels_, runs);
+    listRuns(labels_, memory_.listing, runs, threads);
     memory_.points.assign(static_cast<std::size_t>(highestLabel(runs)) + 1, 0);
     for (const LabelRun& run : runs) memory_.points[run.label] += run.end - run.begin;
     const auto is_judged = [&](const LabelRun& run) {

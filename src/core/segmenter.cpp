@@ -174,9 +174,9 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
     }
   }
   const int gap_rows = 2 * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols), gap_cols = 2;
-  if (!runs_known) listRuns(labels, pieces.runs);
-  const bool settle = config.refine && config.settle_borders;
   BorderMemory& borders = memory.borders;
+  if (!runs_known) listRuns(labels, borders.listing, pieces.runs, config.threads);
+  const bool settle = config.refine && config.settle_borders;
   Beside split(config.threads, [&] {  // needs runs alone, no image
     splitRuns(grid.cols, gap_rows, gap_cols, memory.split, pieces.runs, pieces.whole);
     prepareCurvature(grid, pieces.runs, memory.curvature);
@@ -204,18 +204,19 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
     timer.lap("borders");
   } else {
     paintRuns(pieces.runs, pieces.names, labels);
-    listRuns(labels, borders.settled);
+    listRuns(labels, borders.listing, borders.settled, config.threads);
   }
   std::vector<LabelRun>& runs = borders.settled;  // of the labels, until creases are aligned
   std::vector<Eigen::Vector3d>& piece_planes = memory.piece_planes;
   piece_planes.clear();
   for (const std::int32_t label : settle ? memory.settled : pieces.whole) piece_planes.push_back(planes[label]);
   if (config.dissolve_regions && config.noise_aware) {
-    dissolveRegions(grid, piece_planes, patches.center, noise, tolerance, smallest, memory.dissolution, labels, runs);
+    dissolveRegions(grid, piece_planes, patches.center, noise, tolerance, smallest, memory.dissolution, labels, runs,
+                    config.threads);
     timer.lap("dissolution");
   }
   if (config.fill_holes) {
-    fillHoles(grid, piece_planes, patches.center, noise, tolerance, smallest, memory.holes, labels, runs);
+    fillHoles(grid, piece_planes, patches.center, noise, tolerance, smallest, memory.holes, labels, runs, config.threads);
     timer.lap("holes");
   }
   if (config.refine && config.align_creases) {

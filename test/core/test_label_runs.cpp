@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/label_runs.h"
 
+#include "patch_plane_clustering/core/run_listing.h"
+#include "run_checks.h"
+
 #include <gtest/gtest.h>
 
 #include <random>
@@ -54,6 +57,36 @@ TEST(LabelRuns, ListsStretchesOfLabelsAboveZero) {
     }
     EXPECT_EQ(painted, image.labels);
   }
+}
+
+TEST(LabelRuns, AreTheSameHoweverManyThreadsListThem) {
+  std::mt19937 random(5);
+  RunListMemory memory;
+  std::vector<LabelRun> runs;
+  for (const int rows : {40, 1, 7, 40}) {
+    for (int threads = 1; threads <= 4; ++threads) {
+      LabelImage image = randomStretches(rows, 37, random);
+      listRuns(image, memory, runs, threads);
+      testing_tools::expectRunsOf(image, runs);
+      std::fill(image.labels.begin(), image.labels.end(), 1);  // goes on over every seam
+      listRuns(image, memory, runs, threads);
+      testing_tools::expectRunsOf(image, runs);
+    }
+  }
+  listRuns(LabelImage(), memory, runs, 2);
+  EXPECT_TRUE(runs.empty());
+}
+
+TEST(LabelRuns, AreSortedAndGroupedByLabel) {
+  std::vector<LabelRun> runs = {{3, 0, 2}, {1, 2, 5}, {3, 5, 6}, {2, 7, 9}, {1, 9, 10}};
+  sortByLabel(runs);
+  std::vector<std::tuple<std::int32_t, std::size_t, std::size_t>> groups;
+  forEachLabel(runs,
+               [&](std::int32_t label, std::size_t begin, std::size_t end) { groups.emplace_back(label, begin, end); });
+  EXPECT_EQ(groups, (std::vector<std::tuple<std::int32_t, std::size_t, std::size_t>>{{1, 0, 2}, {2, 2, 3}, {3, 3, 5}}));
+  EXPECT_EQ(runs[0].begin, 2);
+  EXPECT_EQ(runs[1].begin, 9);
+  EXPECT_EQ(runs[4].begin, 5);
 }
 
 TEST(LabelRuns, ChangesAlongRowsAndColumns) {

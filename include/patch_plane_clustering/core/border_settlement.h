@@ -8,6 +8,7 @@
 #include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/patch_grid.h"
 #include "patch_plane_clustering/core/refinement.h"
+#include "patch_plane_clustering/core/run_listing.h"
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/similarity.h"
 
@@ -34,20 +35,20 @@ struct BorderMemory {
 
   RefinementMemory contest;
   SplitMemory split;
-  std::vector<LabelRun> contested, runs;    ///< of the labels after the contest, and of the new pieces
-  std::vector<char> is_region;              ///< whether each piece before is, or is part of, a region that is large enough
-  std::vector<char> has_region;             ///< of each label
-  std::vector<Kept> kept;                   ///< by piece and piece before
-  std::vector<std::size_t> latest;          ///< of each new piece in `kept`, plus one
-  std::vector<int> taken;                   ///< points that each new piece has of other labels' pieces that bend
-  std::vector<std::int32_t> heir;           ///< of each piece before, the new one that shares most points with it
-  std::vector<std::int32_t> origin;         ///< of each new piece, the one before that shares most points with it
-  std::vector<int> points;                  ///< of pieces
-  std::vector<std::int32_t> names;          ///< of the new pieces
-  std::vector<std::int32_t> own;            ///< the same before soft edges get those of their planes
-  std::vector<char> bends;                  ///< whether each new piece is one with what bends
-  std::vector<LabelRun> settled;            ///< runs of the labels in the end
-  std::vector<std::vector<LabelRun>> rest;  ///< those of each part but the first one
+  std::vector<LabelRun> contested, runs;  ///< of the labels after the contest, and of the new pieces
+  std::vector<char> is_region;            ///< whether each piece before is, or is part of, a region that is large enough
+  std::vector<char> has_region;           ///< of each label
+  std::vector<Kept> kept;                 ///< by piece and piece before
+  std::vector<std::size_t> latest;        ///< of each new piece in `kept`, plus one
+  std::vector<int> taken;                 ///< points that each new piece has of other labels' pieces that bend
+  std::vector<std::int32_t> heir;         ///< of each piece before, the new one that shares most points with it
+  std::vector<std::int32_t> origin;       ///< of each new piece, the one before that shares most points with it
+  std::vector<int> points;                ///< of pieces
+  std::vector<std::int32_t> names;        ///< of the new pieces
+  std::vector<std::int32_t> own;          ///< the same before soft edges get those of their planes
+  std::vector<char> bends;                ///< whether each new piece is one with what bends
+  std::vector<LabelRun> settled;          ///< runs of the labels in the end
+  RunListMemory listing;
 };
 
 /// @brief Settles the borders between regions by their planes as they are after the last merge.

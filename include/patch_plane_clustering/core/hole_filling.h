@@ -4,6 +4,7 @@
 #include "patch_plane_clustering/core/beam_grid.h"
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/noise_model.h"
+#include "patch_plane_clustering/core/run_listing.h"
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/similarity.h"
 
@@ -20,6 +21,7 @@ struct HoleMemory {
   std::vector<char> loose;    ///< labels, and none, that are not those of a region
   std::vector<char> seen;     ///< pixels of the specks that have been looked at; none between two images
   std::vector<Pixel> specks;  ///< their pixels, speck by speck
+  RunListMemory listing;
 };
 
 /// @brief Gives points inside of a region to it which as a whole lie on its plane as well as noise lets them.
@@ -31,6 +33,6 @@ struct HoleMemory {
 /// region has at least. @param runs of the labels, see listRuns(); likewise brought up to date.
 void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
                const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, HoleMemory& memory,
-               LabelImage& labels, std::vector<LabelRun>& runs);
+               LabelImage& labels, std::vector<LabelRun>& runs, int threads = 1);
 
 }  // namespace ppc

@@ -4,6 +4,7 @@
 #include "patch_plane_clustering/core/beam_grid.h"
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/noise_model.h"
+#include "patch_plane_clustering/core/run_listing.h"
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/similarity.h"
 
@@ -20,8 +21,10 @@ struct DissolutionMemory {
     std::int32_t label;
     std::size_t begin, end;
   };
-  std::vector<int> points;               ///< of each label
-  std::vector<int> inside;               ///< of each label that is small enough: points that touch no other one
+  std::vector<int> points;  ///< of each label
+  std::vector<int> inside;  ///< of each label that is small enough: points that touch no other one
+  RunListMemory listing;
+  std::vector<int> run_inside;           ///< of each run, points that touch nothing else for sure
   std::vector<LabelRun> candidate_runs;  ///< those of regions that may be thin, or bumps, region by region
   std::vector<Candidate> candidates;
   std::vector<int> pixels;           ///< with a measurement, of the region that is looked at
@@ -54,6 +57,6 @@ struct DissolutionMemory {
 /// brought up to date.
 void dissolveRegions(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
                      const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, DissolutionMemory& memory,
-                     LabelImage& labels, std::vector<LabelRun>& runs);
+                     LabelImage& labels, std::vector<LabelRun>& runs, int threads = 1);
 
 }  // namespace ppc

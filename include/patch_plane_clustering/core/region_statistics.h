@@ -7,6 +7,7 @@
 #include "patch_plane_clustering/core/beam_start.h"
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/region_fringe.h"
+#include "patch_plane_clustering/core/run_listing.h"
 #include "patch_plane_clustering/core/segmentation.h"
 
 #include <cstddef>
@@ -41,8 +42,8 @@ struct RegionMemory {
 struct RenumberingMemory {
   std::vector<int> count, first;  ///< pixels, and where the first one is
   std::vector<std::int32_t> order, renamed;
-  std::vector<std::vector<LabelRun>> rest;  ///< runs of each part of the image but the first one
-  std::vector<int> valid;                   ///< pixels with a measurement in each part
+  RunListMemory listing;
+  std::vector<int> valid;  ///< pixels with a measurement in each part of the image
 };
 
 /// @brief Plane, centroid, covariance, point count and rms of every region of a label image, whichever method made the

@@ -6,6 +6,7 @@
 #include "patch_plane_clustering/core/moments.h"
 #include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/region_fringe.h"
+#include "patch_plane_clustering/core/run_listing.h"
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/similarity.h"
 
@@ -32,6 +33,7 @@ struct TrimmingMemory {
     std::vector<PixelStretch> kept, next;  ///< of the region, what is left of it
     FringeMemory fringe;
   };
+  RunListMemory listing;
   std::vector<LabelRun> runs;           ///< of all labels, then of those that are judged, region by region
   std::vector<int> points;              ///< of each label
   std::vector<PixelStretch> stretches;  ///< of the candidates, one after the other

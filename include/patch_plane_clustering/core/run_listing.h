@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "patch_plane_clustering/core/label_runs.h"
+#include "patch_plane_clustering/core/parallel.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace ppc {
+
+/// @brief Working memory of gatherRuns(), which one image after the other may use: runs of each part but the first one.
+struct RunListMemory {
+  std::vector<std::vector<LabelRun>> rest;
+};
+
+/// @brief Gathers runs that are listed in parts, on several threads. @param count things that are listed, in rangeCount()
+/// parts. @param list list(part, begin, end, runs): appends those of things [begin, end); called as by forEachPart().
+/// @param runs overwritten; in the order of the parts, those that go on over a seam joined (appendRuns()).
+template <typename F>
+void gatherRuns(int threads, int count, RunListMemory& memory, std::vector<LabelRun>& runs, F&& list) {
+  const int parts = rangeCount(threads, count);
+  std::vector<std::vector<LabelRun>>& rest = memory.rest;  // the first part's go where all will be
+  if (rest.size() + 1 < static_cast<std::size_t>(parts)) rest.resize(static_cast<std::size_t>(parts - 1));
+  forEachPart(threads, parts, [&](int part) {
+    std::vector<LabelRun>& out = part == 0 ? runs : rest[part - 1];
+    out.clear();
+    list(part, partBegin(count, parts, part), partBegin(count, parts, part + 1), out);
+  });
+  for (int part = 1; part < parts; ++part) appendRuns(rest[part - 1], runs);
+}
+
+/// listRuns() on several threads.
+inline void listRuns(const LabelImage& labels, RunListMemory& memory, std::vector<LabelRun>& runs, int threads) {
+  gatherRuns(threads, static_cast<int>(labels.labels.size()), memory, runs,
+             [&](int, int first, int last, std::vector<LabelRun>& out) {
+               const std::int32_t* const pixels = labels.labels.data();
+               for (int begin = first, end = 0; begin < last; begin = end) {
+                 end = runEnd(pixels, begin, last);
+                 if (pixels[begin] > 0) out.push_back({pixels[begin], begin, end});
+               }
+             });
+}
+
+}  // namespace ppc
