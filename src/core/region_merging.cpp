@@ -199,8 +199,11 @@ class BorderSums {
 
 }  // namespace
 
-void mergeShares(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
-                 MergeMemory& memory, CellShares& shares, std::vector<Eigen::Vector3d>& planes, int threads) {
+namespace {
+
+// Names the labels of memory.names by what they are merged into.
+void nameMerged(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
+                MergeMemory& memory, const CellShares& shares, std::vector<Eigen::Vector3d>& planes, int threads) {
   std::vector<Whole>& whole = memory.whole;
   whole.clear();
   whole.reserve(shares.sums.size());
@@ -280,20 +283,25 @@ void mergeShares(const PatchGrid& cells, const NoiseModel& noise, const Coplanar
     renameGroups(now, groups);
     std::swap(fresh, changed);
   }
-  renameShares(names, shares);
   planes.assign(whole.size(), Eigen::Vector3d::Zero());
   for (const std::int32_t name : names) planes[name] = whole[name].fit.a;
+}
+
+}  // namespace
+
+void mergeShares(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
+                 MergeMemory& memory, CellShares& shares, std::vector<Eigen::Vector3d>& planes, int threads) {
+  nameMerged(cells, noise, tolerance, threshold, memory, shares, planes, threads);
+  renameShares(memory.names, shares);
 }
 
 void mergeLabels(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
                  MergeMemory& memory, CellShares& shares, LabelImage& labels, std::vector<LabelRun>& runs,
                  std::vector<Eigen::Vector3d>& planes, int threads) {
-  Beside list(threads, [&] { listRuns(labels, runs); });  // as they are before
-  mergeShares(cells, noise, tolerance, threshold, memory, shares, planes, threads);
-  list.wait();
-  forEachRange(threads, static_cast<int>(runs.size()),
-               [&](int begin, int end) { renameLabels(memory.names, runs.data() + begin, runs.data() + end, labels); });
-  renameRuns(memory.names, runs);
+  nameMerged(cells, noise, tolerance, threshold, memory, shares, planes, threads);
+  Beside rename(threads, [&] { renameShares(memory.names, shares); });
+  renameAndList(memory.names, labels, memory.listing, runs, threads);
+  rename.wait();
 }
 
 }  // namespace ppc

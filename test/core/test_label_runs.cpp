@@ -77,6 +77,20 @@ TEST(LabelRuns, AreTheSameHoweverManyThreadsListThem) {
   EXPECT_TRUE(runs.empty());
 }
 
+TEST(LabelRuns, AreThoseOfNewNames) {
+  std::mt19937 random(6);
+  RunListMemory memory;
+  std::vector<LabelRun> runs;
+  const std::vector<std::int32_t> names = {0, 1, 1, 0};
+  for (int threads = 1; threads <= 4; ++threads) {
+    LabelImage image = randomStretches(20, 37, random), expected = image;
+    for (std::int32_t& label : expected.labels) label = names[label];
+    renameAndList(names, image, memory, runs, threads);
+    EXPECT_EQ(image.labels, expected.labels);
+    testing_tools::expectRunsOf(expected, runs);
+  }
+}
+
 TEST(LabelRuns, AreSortedAndGroupedByLabel) {
   std::vector<LabelRun> runs = {{3, 0, 2}, {1, 2, 5}, {3, 5, 6}, {2, 7, 9}, {1, 9, 10}};
   sortByLabel(runs);

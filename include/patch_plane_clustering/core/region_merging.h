@@ -6,6 +6,7 @@
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/patch_grid.h"
+#include "patch_plane_clustering/core/run_listing.h"
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/similarity.h"
 
@@ -36,6 +37,7 @@ struct MergeMemory {
   std::vector<Border> borders;             ///< one a thread
   std::vector<std::pair<int, int>> pairs;  ///< groups [first, second) of each pair that is looked at
   std::vector<std::pair<double, LabelPair>> candidates;
+  RunListMemory listing;
 };
 
 /// @brief Merges labels that touch and lie on one plane, most similar first.

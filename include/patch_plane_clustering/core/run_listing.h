@@ -4,7 +4,9 @@
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/parallel.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace ppc {
@@ -38,6 +40,23 @@ inline void listRuns(const LabelImage& labels, RunListMemory& memory, std::vecto
                for (int begin = first, end = 0; begin < last; begin = end) {
                  end = runEnd(pixels, begin, last);
                  if (pixels[begin] > 0) out.push_back({pixels[begin], begin, end});
+               }
+             });
+}
+
+/// @brief Gives every pixel the name of its label, and lists the runs of these names.
+/// @param names index = label; that of 0 is 0.
+inline void renameAndList(const std::vector<std::int32_t>& names, LabelImage& labels, RunListMemory& memory,
+                          std::vector<LabelRun>& runs, int threads) {
+  gatherRuns(threads, static_cast<int>(labels.labels.size()), memory, runs,
+             [&](int, int first, int last, std::vector<LabelRun>& out) {
+               std::int32_t* const pixels = labels.labels.data();
+               for (int begin = first, end = 0; begin < last; begin = end) {
+                 end = runEnd(pixels, begin, last);
+                 if (pixels[begin] <= 0) continue;
+                 const std::int32_t name = names[pixels[begin]];
+                 if (name != pixels[begin]) std::fill(pixels + begin, pixels + end, name);
+                 if (name > 0) appendRun({name, begin, end}, out);
                }
              });
 }
