@@ -37,6 +37,8 @@ std::vector<ConfigField> makeFields() {
                 "compare patches with the plane of the whole cluster, not only with the neighbour"),
       PPC_FIELD("noise_aware", Type::kBool, 0, 1, noise_aware,
                 "add the noise of the fits to sigma_angle and sigma_distance, not those alone"),
+      PPC_FIELD("avoid_range_limit", Type::kBool, 0, 1, avoid_range_limit,
+                "begin no region where the sensor's range ends, and what is still measured stands off its plane"),
       PPC_FIELD("merge", Type::kBool, 0, 1, merge, "merge clusters that one plane explains"),
       PPC_FIELD("min_size", Type::kInt, 0, 1000000, min_size, "smallest region, 0 = by the size of the image [points]"),
       PPC_FIELD("refine", Type::kBool, 0, 1, refine, "assign points one by one along the borders of clusters"),

@@ -246,6 +246,7 @@ void makePatchGrid(const BeamGrid& grid, int patch_size, const AngularSteps& ste
   out.cols = grid.cols;
   out.strip_cols = patch_size;
   out.center = sensorCenter(grid);
+  out.truncated.clear();
   layOut(grid, patch_size, steps, out);
   out.patch_of_block.assign(static_cast<std::size_t>(out.strip_begin.back()), done == nullptr ? 0 : -1);
   if (done != nullptr) {

@@ -86,7 +86,7 @@ class LabelSplitter {
   // Lists the shares of labels that may be split, label by label.
   void listPlaces() {
     count_.assign(shares_.sums.size(), 0);
-    for (const std::int32_t label : shares_.labels) ++count_[label];
+    forEachPlace([&](int, int s) { ++count_[shares_.labels[s]]; });
     begin_.assign(1, 0);
     for (std::size_t label = 0; label < count_.size(); ++label) {
       const Moments& sum = shares_.sums[label];
@@ -96,11 +96,19 @@ class LabelSplitter {
     }
     next_ = begin_;
     places_.resize(static_cast<std::size_t>(begin_.back()));
+    forEachPlace([&](int k, int s) {
+      const std::int32_t label = shares_.labels[s];
+      if (begin_[label] != begin_[label + 1]) places_[next_[label]++] = {k, s};
+    });
+  }
+
+  // Calls f(cell, share) for all but those that stand off their plane because points are missing: they stay what they are.
+  template <typename F>
+  void forEachPlace(const F& f) const {
+    const std::vector<char>& truncated = cells_.truncated;
     for (int k = 0; k + 1 < static_cast<int>(shares_.begin.size()); ++k) {
-      for (int s = shares_.begin[k]; s < shares_.begin[k + 1]; ++s) {
-        const std::int32_t label = shares_.labels[s];
-        if (begin_[label] != begin_[label + 1]) places_[next_[label]++] = {k, s};
-      }
+      if (!truncated.empty() && truncated[k] != 0) continue;
+      for (int s = shares_.begin[k]; s < shares_.begin[k + 1]; ++s) f(k, s);
     }
   }
 

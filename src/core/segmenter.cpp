@@ -15,6 +15,7 @@
 #include "patch_plane_clustering/core/parallel.h"
 #include "patch_plane_clustering/core/patch_grid.h"
 #include "patch_plane_clustering/core/patch_labels.h"
+#include "patch_plane_clustering/core/range_limit.h"
 #include "patch_plane_clustering/core/refinement.h"
 #include "patch_plane_clustering/core/region_dissolution.h"
 #include "patch_plane_clustering/core/region_merging.h"
@@ -23,6 +24,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace ppc {
 namespace {
@@ -51,11 +53,13 @@ bool estimateCorrelation(const Config& config, NoiseModel& noise, CoplanarityTol
 // Regions too thin for any patch to fit inside: smaller patches of what the first pass left over, with labels from `first`
 // on. Cells where there are any are marked as changed.
 void addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                     const Config& config, std::int32_t first, ClusteringMemory& memory, LabelImage& labels) {
+                     const Config& config, const std::optional<double>& range_limit, std::int32_t first,
+                     ClusteringMemory& memory, LabelImage& labels) {
   PatchGrid& patches = memory.small_patches;
   makePatchGrid(grid, std::max(2, (config.patch_size + 2) / 2), memory.steps, &labels, config.threads, memory.patch_grids,
                 patches);
   weighAndGatePatches(noise, tolerance, patches, config.threads);
+  markTruncated(grid, range_limit, noise, patches);
   const PatchClusters& clusters = memory.clusters;
   growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config), memory.growth, memory.clusters,
                config.threads);
@@ -113,6 +117,9 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
   if (config.noise_aware && estimateCorrelation(config, noise, tolerance, memory)) {
     gatePatches(noise, tolerance, patches, config.threads);
   }
+  std::optional<double> range_limit;
+  if (config.avoid_range_limit && config.noise_aware) range_limit = findRangeLimit(patches, noise);
+  markTruncated(grid, range_limit, noise, patches);
   timer.lap("fits");
 
   growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config), memory.growth, memory.clusters,
@@ -147,7 +154,7 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
     timer.lap("refinement");
     if (config.second_pass) {
       const auto first_new = static_cast<std::int32_t>(planes.size());
-      addSmallRegions(grid, noise, tolerance, config, first_new, memory, labels);
+      addSmallRegions(grid, noise, tolerance, config, range_limit, first_new, memory, labels);
       update();
       const bool split_regions = config.split_regions && config.noise_aware;
       if (split_regions) split_labels();

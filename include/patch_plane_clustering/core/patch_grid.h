@@ -38,6 +38,7 @@ struct PatchGrid {
   std::vector<int> strip_begin;      ///< number of each strip's first block, and one past the last
   std::vector<int> patch_of_block;   ///< index of each block's patch, or -1 if it is left out
   std::vector<Patch> patches;        ///< by bands of rows, strip by strip in each
+  std::vector<char> truncated;       ///< patches of which points are missing where the range ends; empty if there are none
   std::vector<int> neighbour_begin;  ///< index into `neighbours` of each patch's first one, and one past the last
   std::vector<int> neighbours;       ///< patches that share an edge, patch by patch; may be longer than there are
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< mean sensor position: origin of all moments [m]

@@ -20,8 +20,8 @@
 #include "patch_plane_clustering/core/region_dissolution.h"
 #include "patch_plane_clustering/core/region_merging.h"
 #include "patch_plane_clustering/core/region_splitting.h"
-#include "patch_plane_clustering/core/region_trimming.h"
 #include "patch_plane_clustering/core/region_statistics.h"
+#include "patch_plane_clustering/core/region_trimming.h"
 #include "patch_plane_clustering/core/segmentation.h"
 
 namespace ppc {
