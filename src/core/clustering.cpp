@@ -131,7 +131,7 @@ std::vector<Seed>::iterator sortBest(std::vector<Seed>& seeds, std::vector<Seed>
     for (std::ptrdiff_t k = 0; k < kSampledSeeds; ++k) sample[static_cast<std::size_t>(k)] = next[k * rest / kSampledSeeds];
     std::nth_element(sample.begin(), sample.begin() + kPivotRank, sample.end());
     const Seed pivot = sample[kPivotRank];
-    best_end = std::partition(next, seeds.end(), [&](const Seed& seed) { return seed <= pivot; });
+    best_end = std::partition(next, seeds.end(), [&](const Seed& seed) { return !(pivot < seed); });
   }
   std::sort(next, best_end);
   return best_end;

@@ -13,12 +13,18 @@ namespace ppc {
 namespace {
 
 constexpr int kBins = 40;
-constexpr double kFirst = 0.05;       // upper end of the first bin [m]
-constexpr double kGrowth = 1.25;      // of one bin to the next
-constexpr int kMinPoints = 8;         // of a patch
-constexpr int kMinPatches = 30;       // of a bin
-constexpr double kQuantile = 0.35;    // of the patches' variances: flat surfaces, not edges
-constexpr double kLeeway = 1.3;       // for such bounds
+constexpr double kFirst = 0.05;     // upper end of the first bin [m]
+constexpr double kGrowth = 1.25;    // of one bin to the next
+constexpr int kMinPoints = 8;       // of a patch
+constexpr int kMinPatches = 30;     // of a bin
+constexpr double kQuantile = 0.35;  // of the patches' variances: flat surfaces, not edges
+constexpr double kLeeway = 1.3;     // for what other ranges tell
+constexpr double kSureLeeway =
+    3.0;  // likewise, where surfaces tell: dark ones have two or three times the noise of bright ones
+// Of the patches of a bin, the variances of so many are within this factor of the quantile, if surfaces make it: edges and
+// leaves have variances of all sizes.
+constexpr std::size_t kFewForShare = 100;
+constexpr double kAlike = 1.5, kAlikeShare = 0.25;
 constexpr double kMinSigma = 0.0005;  // [m] finer than any time-of-flight laser
 
 double binCenter(int bin) { return kFirst * std::pow(kGrowth, bin - 0.5); }
@@ -56,18 +62,27 @@ class RangeBins {
   std::array<int, kCells> first_{};    // bin of each cell of range
 };
 
+// Whether surfaces make the quantile of a bin's variances, and not edges.
+bool isSure(const std::vector<double>& variances, double quantile) {
+  if (variances.size() < kFewForShare) return false;
+  const auto alike = std::count_if(variances.begin(), variances.end(),
+                                   [&](double v) { return v > quantile / kAlike && v < quantile * kAlike; });
+  return static_cast<double>(alike) > kAlikeShare * static_cast<double>(variances.size());
+}
+
 // Where few surfaces are flat, beyond windows or among leaves, even the low quantile sees edges. What flat surfaces told at
 // other ranges bounds it: noise grows no faster than the square of the range (stereo, structured light) and does not fall.
-void boundByOtherRanges(std::vector<double>& sigma) {
+// But dark walls that are near have more noise than bright ones farther away: where surfaces tell it, the leeway is larger.
+void boundByOtherRanges(const std::vector<char>& sure, std::vector<double>& sigma) {
   double bound = sigma[0];
   for (int b = 1; b < kBins; ++b) {
     bound *= kGrowth * kGrowth;
-    sigma[b] = std::min(sigma[b], kLeeway * bound);
+    sigma[b] = std::min(sigma[b], (sure[b] != 0 ? kSureLeeway : kLeeway) * bound);
     bound = std::min(bound, sigma[b]);
   }
   for (int b = kBins - 2; b >= 0; --b) {
     bound = std::min(bound, sigma[b + 1]);
-    sigma[b] = std::min(sigma[b], kLeeway * bound);
+    sigma[b] = std::min(sigma[b], (sure[b] != 0 ? kSureLeeway : kLeeway) * bound);
   }
 }
 
@@ -152,6 +167,8 @@ NoiseModel NoiseModel::estimate(const PatchGrid& patches, const SensorModel& sen
   sortVariances(patches, memory, threads);
   std::vector<double>& sigma = memory.sigma;
   sigma.resize(kBins);
+  std::vector<char>& sure = memory.sure;
+  sure.assign(kBins, 0);
   struct Variances {
     int begin, end;
   };
@@ -173,12 +190,20 @@ NoiseModel NoiseModel::estimate(const PatchGrid& patches, const SensorModel& sen
     const Variances& of = of_bin[static_cast<std::size_t>(b)];
     if (as_before(b)) return;
     pool.assign(memory.variances.begin() + of.begin, memory.variances.begin() + of.end);
-    sigma[b] = pool.empty() ? sensor.sigma(binCenter(b)) : std::max(kMinSigma, std::sqrt(quantile(pool, kQuantile)));
+    if (pool.empty()) {
+      sigma[b] = sensor.sigma(binCenter(b));
+      return;
+    }
+    const double variance = quantile(pool, kQuantile);
+    sigma[b] = std::max(kMinSigma, std::sqrt(variance));
+    sure[b] = isSure(pool, variance) ? 1 : 0;
   });
   for (int b = 1; b < kBins; ++b) {
-    if (as_before(b)) sigma[b] = sigma[b - 1];
+    if (!as_before(b)) continue;
+    sigma[b] = sigma[b - 1];
+    sure[b] = sure[b - 1];
   }
-  boundByOtherRanges(sigma);
+  boundByOtherRanges(sure, sigma);
   return NoiseModel(sigma);
 }
 

@@ -64,6 +64,18 @@ TEST(NoiseModel, EstimateSeesNoiseCorrelatedAlongTheLine) {
   }
 }
 
+TEST(NoiseModel, EstimateIsThatOfDarkWallsBeforeBrightOnes) {
+  BeamGrid grid = forwardBeams(160, 240, 0.25 * kDegree);
+  const auto left = [](const Eigen::Vector3d& p) { return p.y() > 0.1; };
+  const LabelImage truth = scan({surfaceOf({{-Eigen::Vector3d::UnitX(), -2.5}, left}), wall({-1.0, 0.0, 0.0}, -5.0)}, grid);
+  Normal normal(3);
+  for (int i = 0; i < grid.size(); ++i)
+    grid.range[i] += static_cast<float>((truth.labels[i] == 1 ? 0.02 : 0.008) * normal());
+  const NoiseModel noise = NoiseModel::estimate(makePatchGrid(grid, 4, true), kWrong);
+  EXPECT_NEAR(noise.sigma(2.6), 0.02, 0.002);
+  EXPECT_NEAR(noise.sigma(5.2), 0.008, 0.0008);
+}
+
 TEST(NoiseModel, EstimateIsNotFooledByClutterWithoutAnyFlatSurface) {
   for (const double clutter : {7.0, 1.0}) {  // beyond the wall, and before it
     BeamGrid grid = forwardBeams(160, 240, 0.25 * kDegree);
@@ -72,12 +84,15 @@ TEST(NoiseModel, EstimateIsNotFooledByClutterWithoutAnyFlatSurface) {
     std::uint32_t state = 1;
     for (int i = 0; i < grid.size(); ++i) {
       state = 1664525U * state + 1013904223U;
-      if (i % grid.cols > 120) grid.range[i] = static_cast<float>(clutter * (0.9 + 0.2 * (state >> 8) / 16777216.0));
+      if (i % grid.cols <= 120) continue;
+      const int row = i / grid.cols / 10, col = i % grid.cols / 10;  // of leaves as large as this
+      const double depth = 0.2 * std::pow(0.5, (row * 2 + col) % 5);
+      grid.range[i] = static_cast<float>(clutter * (0.9 + depth * (state >> 8) / 16777216.0));
     }
     const NoiseModel noise = NoiseModel::estimate(makePatchGrid(grid, 4, true), kWrong);
     EXPECT_NEAR(noise.sigma(3.1), 0.005, 0.0005) << clutter;
-    // The clutter scatters by 0.06 of its range.
-    EXPECT_LT(noise.sigma(clutter), clutter > 3.0 ? 0.005 * 1.3 * 1.25 * 1.25 * std::pow(clutter / 3.0, 2) : 0.0075)
+    // The clutter scatters by up to 0.06 of its range.
+    EXPECT_LT(noise.sigma(clutter), clutter > 3.0 ? 0.0052 * 1.3 * 1.25 * 1.25 * std::pow(clutter / 3.0, 2) : 0.0075)
         << clutter;
     EXPECT_GT(noise.sigma(clutter), 0.004) << clutter;
   }

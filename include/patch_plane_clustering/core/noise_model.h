@@ -19,6 +19,7 @@ struct NoiseMemory {
   std::vector<double> variances;           ///< of the patches, bin by bin
   std::vector<std::vector<double>> pools;  ///< those of a bin and of its neighbours; one list a thread
   std::vector<double> sigma;               ///< of each bin [m]
+  std::vector<char> sure;                  ///< bins whose patches are alike
 };
 
 /// @brief Range noise as a function of range: from the sensor model, or estimated from an image.
@@ -32,8 +33,9 @@ class NoiseModel {
   NoiseModel(const SensorModel& sensor, double scale);
 
   /// @brief Estimates the noise from the residuals of small patches: most of them lie on surfaces that are flat over their
-  /// width, and a low quantile leaves the others out. Seen over several lines at once, the residuals contain noise that is
-  /// correlated along a line, and errors that a whole line shares; differences along the line would be blind to both.
+  /// width, and a low quantile leaves the others out; what other ranges tell bounds it, closely where not even a quarter of
+  /// the patches at a range are alike. Seen over several lines at once, the residuals contain noise that is correlated along
+  /// a line, and errors that a whole line shares; differences along the line would be blind to both.
   static NoiseModel estimate(const PatchGrid& patches, const SensorModel& sensor);
   static NoiseModel estimate(const PatchGrid& patches, const SensorModel& sensor, NoiseMemory& memory, int threads = 1);
 
