@@ -11,6 +11,7 @@ namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kNoRange = 1e-6F;      // so close to the viewpoint, a point has no direction [m]
+constexpr float kFarthest = 1e6F;      // beyond, planes of what is near have no digits left [m]
 constexpr float kNoDirection = 0.01F;  // between opposite directions there is none: their mean is shorter than this
 
 void resize(BeamGrid& grid, int rows, int cols, bool with_origins) {
@@ -99,7 +100,7 @@ void beamGridFromPoints(int rows, int cols, const std::vector<float>& x, const s
   for (std::size_t i = 0; i < n; ++i) {
     const Eigen::Vector3f p = Eigen::Vector3f(x[i], y[i], z[i]) - viewpoint;
     const float range = p.norm();
-    if (!(range > kNoRange && range < std::numeric_limits<float>::infinity())) continue;
+    if (!(range > kNoRange && range < kFarthest)) continue;
     grid.range[i] = range;
     grid.dir_x[i] = p.x() / range;
     grid.dir_y[i] = p.y() / range;

@@ -189,6 +189,15 @@ TEST(BeamGridFromPoints, RowsWithoutPointsAreLikeTheNearestWithSome) {
   EXPECT_NE(grid.direction(1), grid.direction(6));
 }
 
+TEST(BeamGridFromPoints, WhatIsAThousandKilometresAwayIsNoMeasurement) {
+  const BeamGrid grid =
+      beamGridFromPoints(1, 4, {1.0F, 1e17F, 0.9e6F, 1.1e6F}, {0.0F, 0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F, 0.0F});
+  EXPECT_TRUE(grid.valid(0));
+  EXPECT_FALSE(grid.valid(1));
+  EXPECT_TRUE(grid.valid(2));
+  EXPECT_FALSE(grid.valid(3));
+}
+
 TEST(BeamGridFromPoints, WrongSizesAreRefused) {
   EXPECT_THROW(beamGridFromPoints(0, 4, {}, {}, {}), std::invalid_argument);
   EXPECT_THROW(beamGridFromPoints(1, 2, {1.0F, 2.0F}, {0.0F}, {0.0F, 0.0F}), std::invalid_argument);

@@ -63,8 +63,7 @@ void toBeamGrid(const RangeImage& image, BeamColumns& columns, BeamGrid& grid, i
 
 /// @brief Beams of an organised cloud with the sensor at `viewpoint`.
 /// @param x,y,z rows x cols coordinates, row-major [m]; any non-finite coordinate makes the pixel invalid, and so does a
-/// point
-///        on the viewpoint itself. Directions of invalid pixels are interpolated from valid ones.
+/// point on the viewpoint itself, or 1000 km or more from it. Directions of invalid pixels are interpolated from valid ones.
 /// @throws std::invalid_argument if the sizes disagree or a side is not positive.
 BeamGrid beamGridFromPoints(int rows, int cols, const std::vector<float>& x, const std::vector<float>& y,
                             const std::vector<float>& z, const Eigen::Vector3f& viewpoint = Eigen::Vector3f::Zero());
