@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Scores segmentation on images of a second simulator, for sensors other than a tilting laser: prints a table.
+"""Scores segmentation on images of a second simulator, for tilting lasers and other sensors: prints a table.
 
 Boxes, balls and columns, cast by a few lines of numpy that share nothing with the package's own simulator. A tool that is good on
 its own scenes alone would show here. Sensors: the tilting lasers that the package is made for, structured light at a desk, range
@@ -17,7 +17,7 @@ import cv2
 import numpy
 import yaml
 
-from accuracy import PPC, ROOT, run
+from accuracy import PPC, ROOT, run, segment
 
 
 def pinhole(rows, cols, width_deg):
@@ -199,9 +199,8 @@ def main():
                 for method in options.methods:
                     labels = stem.with_suffix(f'.{method}.png')
                     values = {k: v for k, v in tuned.get(method, {}).get(tuned_as, {}).items() if k != 'f1'}
-                    tuning = [word for k, v in values.items() for word in ('--tune', f'{k}={v}')]
-                    found = json.loads(run(options.ppc, 'segment', stem.with_suffix('.pcd'), '--method', method, '--labels', labels,
-                                           *tuning))
+                    image = {'cloud.pcd': stem.with_suffix('.pcd'), 'labels.png': labels}
+                    found = segment(options.ppc, image, method, values, polygons=False)
                     score = json.loads(run(options.ppc, 'evaluate', '--truth', stem.with_suffix('.truth.png'), '--labels', labels,
                                 '--min-region', smallest).splitlines()[0])
                     scores[method].append((score['f1'], score['correct'], score['true'], score['spurious'], score['mean_iou'],

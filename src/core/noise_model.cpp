@@ -13,14 +13,13 @@ namespace ppc {
 namespace {
 
 constexpr int kBins = 40;
-constexpr double kFirst = 0.05;     // upper end of the first bin [m]
-constexpr double kGrowth = 1.25;    // of one bin to the next
-constexpr int kMinPoints = 8;       // of a patch
-constexpr int kMinPatches = 30;     // of a bin
-constexpr double kQuantile = 0.35;  // of the patches' variances: flat surfaces, not edges
-constexpr double kLeeway = 1.3;     // for what other ranges tell
-constexpr double kSureLeeway =
-    3.0;  // likewise, where surfaces tell: dark ones have two or three times the noise of bright ones
+constexpr double kFirst = 0.05;      // upper end of the first bin [m]
+constexpr double kGrowth = 1.25;     // of one bin to the next
+constexpr int kMinPoints = 8;        // of a patch
+constexpr int kMinPatches = 30;      // of a bin
+constexpr double kQuantile = 0.35;   // of the patches' variances: flat surfaces, not edges
+constexpr double kLeeway = 1.3;      // for what other ranges tell
+constexpr double kSureLeeway = 3.0;  // likewise, where surfaces tell: dark ones have up to thrice the noise of bright ones
 // Of the patches of a bin, the variances of so many are within this factor of the quantile, if surfaces make it: edges and
 // leaves have variances of all sizes.
 constexpr std::size_t kFewForShare = 100;

@@ -197,10 +197,6 @@ class BorderSums {
   int& border_;
 };
 
-}  // namespace
-
-namespace {
-
 // Names the labels of memory.names by what they are merged into.
 void nameMerged(const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance, double threshold,
                 MergeMemory& memory, const CellShares& shares, std::vector<Eigen::Vector3d>& planes, int threads) {
