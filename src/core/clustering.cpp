@@ -62,8 +62,7 @@ void weigh(const NoiseModel& noise, Patch& patch) {
 }
 
 void gate(const NoiseModel& noise, const CoplanarityTolerance& tolerance, Patch& patch) {
-  const int pixels = (patch.row_end - patch.row_begin) * (patch.col_end - patch.col_begin);
-  patch.planar = patch.moments.n >= std::max(kMinPatchPoints, pixels / 3) &&
+  patch.planar = patch.moments.n >= std::max(kMinPatchPoints, patch.pixels() / 3) &&
                  isFlat(patch.moments, patch.fit, patch.range, noise, tolerance);
 }
 

@@ -14,20 +14,18 @@ constexpr double kMostMeasured = 0.9;  // share of the pixels there, if the rang
 constexpr double kReach = 6.0;         // standard deviations before the limit: a patch is as deep as it is oblique
 constexpr double kWhole = 0.95;        // share of a patch's pixels of which none are missed
 
-int pixelsOf(const Patch& patch) { return (patch.row_end - patch.row_begin) * (patch.col_end - patch.col_begin); }
-
 }  // namespace
 
 std::optional<double> findRangeLimit(const PatchGrid& patches, const NoiseModel& noise) {
   double farthest = 0.0;
   for (const Patch& patch : patches.patches) {
-    if (patch.range > farthest && patch.moments.n >= std::max(kFewestPoints, pixelsOf(patch) / 3)) farthest = patch.range;
+    if (patch.range > farthest && patch.moments.n >= std::max(kFewestPoints, patch.pixels() / 3)) farthest = patch.range;
   }
   const double begin = farthest - kFarthest * noise.sigma(farthest);
   long pixels = 0, measured = 0;
   for (const Patch& patch : patches.patches) {
     if (patch.range < begin || patch.moments.n == 0) continue;
-    pixels += pixelsOf(patch);
+    pixels += patch.pixels();
     measured += patch.moments.n;
   }
   if (pixels < kFewestPixels || static_cast<double>(measured) > kMostMeasured * static_cast<double>(pixels))
@@ -46,7 +44,7 @@ void markTruncated(const BeamGrid& grid, const std::optional<double>& limit, con
     for (int r = patch.row_begin; r < patch.row_end; ++r) {
       for (int i = grid.index(r, patch.col_begin); i < grid.index(r, patch.col_end); ++i) measured += grid.valid(i) ? 1 : 0;
     }
-    if (measured > kWhole * pixelsOf(patch)) continue;
+    if (measured > kWhole * patch.pixels()) continue;
     patches.truncated[k] = 1;
     patch.planar = false;
   }

@@ -71,8 +71,7 @@ TEST(RangeLimit, MarksPatchesWithHolesBeforeIt) {
   int marked = 0, planar = 0;
   for (std::size_t k = 0; k < patches.patches.size(); ++k) {
     const Patch& patch = patches.patches[k];
-    const int pixels = (patch.row_end - patch.row_begin) * (patch.col_end - patch.col_begin);
-    const bool has_holes = patch.moments.n > 0 && patch.moments.n <= 0.95 * pixels;
+    const bool has_holes = patch.moments.n > 0 && patch.moments.n <= 0.95 * patch.pixels();
     EXPECT_EQ(patches.truncated[k] != 0, has_holes && patch.range >= limit - 6.0 * kSigma);
     EXPECT_EQ(patch.planar, before.patches[k].planar && patches.truncated[k] == 0);
     marked += patches.truncated[k];

@@ -19,6 +19,8 @@ struct Patch {
   double range = 0.0;              ///< mean range of the valid points [m]
   bool planar = false;             ///< passed the gate: enough points, residuals as small as the noise allows
 
+  /// Pixels of the block, measured or not.
+  int pixels() const { return (row_end - row_begin) * (col_end - col_begin); }
   /// Divides the weights by a variance.
   void weigh(double variance) {
     moments.scale(1.0 / variance);
