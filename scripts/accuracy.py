@@ -47,6 +47,7 @@ ABLATIONS = {
     'dissolution of regions': ['--set', 'dissolve_regions=false'],
     'trimming of regions': ['--set', 'trim_regions=false'],
     'borders along creases': ['--set', 'align_creases=false'],
+    'extension of regions': ['--set', 'extend_regions=false'],
     'filling of holes': ['--set', 'fill_holes=false'],
     'curvature test': ['--set', 'max_turn=10'],
     'everything: config/ppc_2012.yaml': ['--config', ROOT / 'config/ppc_2012.yaml'],

@@ -54,6 +54,8 @@ std::vector<ConfigField> makeFields() {
                 "draw the borders of regions that meet at a crease along the line where their planes meet"),
       PPC_FIELD("trim_regions", Type::kBool, 0, 1, trim_regions,
                 "take off small regions what of others lies along their borders, drop those that are no planes"),
+      PPC_FIELD("extend_regions", Type::kBool, 0, 1, extend_regions,
+                "let regions go on along their planes into points that have no region"),
       PPC_FIELD("fill_holes", Type::kBool, 0, 1, fill_holes,
                 "give bumps of noise inside of a region, too small for one of their own, to it"),
       PPC_FIELD("max_turn", Type::kDouble, 0.01, 10.0, max_turn,

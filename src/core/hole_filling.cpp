@@ -38,7 +38,7 @@ class HoleFiller {
     }
   }
 
-  // Runs are those before anything was filled: what has been since was seen. @return whether anything was.
+  // Runs are those before anything was extended or filled: what was filled since was seen. @return whether anything was.
   bool fillAll() {
     int end = 0;  // of the run before
     for (const LabelRun& run : runs_) {
@@ -59,7 +59,7 @@ class HoleFiller {
       const Lanes four = count == kLanes ? loadLanes<Lanes>(ranges + i) : loadLanes<Lanes>(ranges + i, count);
       if (!anyLane(four > Lanes{})) continue;  // where nothing was measured
       for (int k = i; k < i + count; ++k) {
-        if (seen_[k] == 0 && grid_.valid(k)) fillFrom(k);
+        if (seen_[k] == 0 && grid_.valid(k) && loose_[labels_[k]] != 0) fillFrom(k);
       }
     }
   }
@@ -134,12 +134,11 @@ class HoleFiller {
 
 }  // namespace
 
-void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
+bool fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
                const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, HoleMemory& memory,
-               LabelImage& labels, std::vector<LabelRun>& runs, int threads) {
+               LabelImage& labels, const std::vector<LabelRun>& runs) {
   const BeamPlanes of_labels(grid, planes, center, noise, tolerance);
-  HoleFiller filler(grid, of_labels, tolerance, smallest, memory, labels, runs);
-  if (filler.fillAll()) listRuns(labels, memory.listing, runs, threads);
+  return HoleFiller(grid, of_labels, tolerance, smallest, memory, labels, runs).fillAll();
 }
 
 }  // namespace ppc

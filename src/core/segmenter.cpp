@@ -18,6 +18,7 @@
 #include "patch_plane_clustering/core/range_limit.h"
 #include "patch_plane_clustering/core/refinement.h"
 #include "patch_plane_clustering/core/region_dissolution.h"
+#include "patch_plane_clustering/core/region_extension.h"
 #include "patch_plane_clustering/core/region_merging.h"
 #include "patch_plane_clustering/core/region_statistics.h"
 #include "patch_plane_clustering/core/stage_timer.h"
@@ -222,10 +223,19 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
                     config.threads);
     timer.lap("dissolution");
   }
+  bool extended = false;
+  if (config.extend_regions && config.noise_aware) {
+    extended = extendRegions(grid, piece_planes, patches.center, noise, tolerance, smallest, memory.extension, labels, runs,
+                             config.threads);
+    timer.lap("extension");
+  }
   if (config.fill_holes) {
-    fillHoles(grid, piece_planes, patches.center, noise, tolerance, smallest, memory.holes, labels, runs, config.threads);
+    const bool filled =
+        fillHoles(grid, piece_planes, patches.center, noise, tolerance, smallest, memory.holes, labels, runs);
+    extended = extended || filled;
     timer.lap("holes");
   }
+  if (extended) listRuns(labels, borders.listing, runs, config.threads);
   if (config.refine && config.align_creases) {
     // The plane of the smallest regions is not known well enough to tell where it meets another one.
     alignCreases(grid, piece_planes, patches.center, noise, tolerance, 2 * smallest, memory.creases, runs, labels,

@@ -17,6 +17,7 @@ constexpr double kNarrowTurn = 0.6;    // turn of each over the angle between th
 constexpr int kFanSizes = 6;           // largest ratio of their sizes
 constexpr double kFanRatio = 0.15;     // misfit of one quadratic surface over that of one plane, for two strips of a fan
 constexpr double kFanMisfit = 0.1;     // the same misfit per point, in units of the noise variance
+constexpr double kCreaseRatio = 4.0;   // misfit of one quadratic surface over that of two planes, for no fan
 constexpr double kWideFan = 0.93;      // angle between two strips from which on the sides of an edge must be ruled out [rad]
 constexpr double kWidestFan = 2.0;     // largest angle between two strips of a fan [rad]
 constexpr double kWideFanRatio = 0.035;  // as kFanRatio, beyond kWideFan: an evenly sampled edge of two planes has 1/16
@@ -34,9 +35,14 @@ double radiusOf(const Bend& bend) { return 12.0 * std::sqrt(5.0) * bend.amplitud
 struct Misfit {
   double plane = 0.0;      // of one plane
   double quadratic = 0.0;  // of one quadratic surface
+  double own = 0.0;        // of their own planes
   double allowed = 0.0;    // what noise and tolerance are worth in all of the points
 
   bool isSmooth(double ratio, double misfit) const { return quadratic < ratio * plane && quadratic < misfit * allowed; }
+
+  // Whether two planes serve far better than one surface, however little that leaves of tolerances: narrow faces at a
+  // crease.
+  bool isCreased(double inflation) const { return quadratic > kCreaseRatio * (own + kBendSignificance * inflation); }
 };
 
 class CommonSurface {
@@ -66,7 +72,8 @@ class CommonSurface {
     const QuadraticFit fit_a = fitQuadratic(sums), fit_b = fitQuadratic(sums_b);
     const QuadraticFit both = fitQuadratic(sums += sums_b);
     return {both.plane_chi2 - fit_a.plane_chi2 - fit_b.plane_chi2,
-            both.quadratic_chi2 - fit_a.quadratic_chi2 - fit_b.quadratic_chi2, allowed(both.weight)};
+            both.quadratic_chi2 - fit_a.quadratic_chi2 - fit_b.quadratic_chi2,
+            fit_a.plane_chi2 + fit_b.plane_chi2 - fit_a.quadratic_chi2 - fit_b.quadratic_chi2, allowed(both.weight)};
   }
 
  private:
@@ -107,7 +114,7 @@ bool isFan(const BentRegion& a, const BentRegion& b, const CoplanarityTolerance&
   const CommonSurface common(a, b, tolerance);
   if (common.isRuledOut(kFanMisfit)) return false;
   const Misfit misfit = common.fit();
-  return misfit.plane > kBendSignificance * tolerance.inflation &&
+  return misfit.plane > kBendSignificance * tolerance.inflation && !misfit.isCreased(tolerance.inflation) &&
          misfit.isSmooth(angle < kWideFan ? kFanRatio : kWideFanRatio, kFanMisfit);
 }
 
@@ -118,7 +125,7 @@ bool isMoreOfFan(const BentRegion& strip, const BentRegion& beside, const Coplan
   if (common.isRuledOut(std::max(kFanMisfit, kLimbMisfit))) return false;
   const Misfit misfit = common.fit();
   if (misfit.plane < kBendSignificance * tolerance.inflation) return false;
-  if (angle < kWideFan && misfit.isSmooth(kFanRatio, kFanMisfit)) return true;
+  if (angle < kWideFan && misfit.isSmooth(kFanRatio, kFanMisfit)) return !misfit.isCreased(tolerance.inflation);
   return angle > kLimbAngle && strip.region.points < beside.region.points && misfit.isSmooth(kLimbRatio, kLimbMisfit);
 }
 

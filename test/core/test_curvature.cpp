@@ -152,6 +152,20 @@ TEST(DropCurvedRegions, KeepsSmallFacesOfACreaseThatAFineSensorSees) {
   EXPECT_EQ(scene.labels.labels, before);
 }
 
+// Faces of 7 cm, 34 deg apart: within the tolerance of one quadratic surface, and many points tell that they are two.
+TEST(DropCurvedRegions, KeepsNarrowFacesOfACreaseSeenByManyBeams) {
+  const NoiseModel noise(SensorModel{0.005, 0.005, 10.0, 0.0}, 1.0);
+  Scene scene({wall({-1.0, 0.3, 0.0}, -0.8), wall({-1.0, -0.3, 0.0}, -0.8)}, 0.005);
+  for (int i = 0; i < scene.grid.size(); ++i) {
+    const float y = scene.grid.point(i).y();
+    if (std::abs(y) > 0.07F) scene.labels.labels[i] = 0;
+  }
+  ASSERT_GT(std::min(countOf(scene.labels, 1), countOf(scene.labels, 2)), 1000);
+  const std::vector<std::int32_t> before = scene.labels.labels;
+  scene.drop(kMaxTurn, noise);
+  EXPECT_EQ(scene.labels.labels, before);
+}
+
 // Noise across strips at the limb is a fraction of that along the range: no reason to test them as a fine sensor's.
 TEST(DropCurvedRegions, ClearsStripsOfAFanThatBeamsGraze) {
   const NoiseModel noise(SensorModel{0.003, 0.003, 10.0, 0.0}, 1.0);

@@ -30,6 +30,7 @@ struct Config {
   bool dissolve_regions = true;       ///< dissolve thin regions that the planes around them explain better than their own
   bool align_creases = true;          ///< draw borders at creases along the line where the planes meet
   bool trim_regions = true;           ///< take off small regions what of others lies along their borders, drop no planes
+  bool extend_regions = true;         ///< let regions go on along their planes into points that have no region
   bool fill_holes = true;             ///< give bumps of noise inside of a region, too small for one, to it
   double max_turn = 0.45;             ///< regions whose normal turns by more from end to end are curved [rad]
   double noise_scale = 0.0;           ///< factor on the sensor's noise; 0 = estimate the noise from each image

@@ -4,7 +4,6 @@
 #include "patch_plane_clustering/core/beam_grid.h"
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/noise_model.h"
-#include "patch_plane_clustering/core/run_listing.h"
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/similarity.h"
 
@@ -21,7 +20,6 @@ struct HoleMemory {
   std::vector<char> loose;    ///< labels, and none, that are not those of a region
   std::vector<char> seen;     ///< pixels of the specks that have been looked at; none between two images
   std::vector<Pixel> specks;  ///< their pixels, speck by speck
-  RunListMemory listing;
 };
 
 /// @brief Gives points inside of a region to it which as a whole lie on its plane as well as noise lets them.
@@ -30,9 +28,10 @@ struct HoleMemory {
 /// region. A speck (pixels without a label, or of regions too small) that touches one region only is filled if its mean
 /// distance from the plane is within the error of such a mean and the tolerance, and its points scatter no more than noise.
 /// @param planes a (see moments.h) of every label. @param center origin of the planes [m]. @param smallest points that a
-/// region has at least. @param runs of the labels, see listRuns(); likewise brought up to date.
-void fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
+/// region has at least. @param runs of the labels, see listRuns(), before regions were extended (extendRegions()).
+/// @return whether anything was filled.
+bool fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
                const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, HoleMemory& memory,
-               LabelImage& labels, std::vector<LabelRun>& runs, int threads = 1);
+               LabelImage& labels, const std::vector<LabelRun>& runs);
 
 }  // namespace ppc

@@ -18,6 +18,7 @@
 #include "patch_plane_clustering/core/polygon_memory.h"
 #include "patch_plane_clustering/core/refinement.h"
 #include "patch_plane_clustering/core/region_dissolution.h"
+#include "patch_plane_clustering/core/region_extension.h"
 #include "patch_plane_clustering/core/region_merging.h"
 #include "patch_plane_clustering/core/region_splitting.h"
 #include "patch_plane_clustering/core/region_statistics.h"
@@ -62,6 +63,7 @@ struct ClusteringMemory {
   CurvatureMemory curvature;
   std::vector<Eigen::Vector3d> planes, piece_planes;  ///< of the labels, and of their pieces
   DissolutionMemory dissolution;
+  ExtensionMemory extension;
   HoleMemory holes;
   CreaseMemory creases;
   TrimmingMemory trimming;

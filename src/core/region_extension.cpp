@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/region_extension.h"
+
+#include "patch_plane_clustering/core/beam_planes.h"
+#include "patch_plane_clustering/core/lanes.h"
+#include "patch_plane_clustering/core/parallel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+namespace ppc {
+namespace {
+
+constexpr float kGate = 3.0F;         // distance of a point, in standard deviations of noise and tolerance
+constexpr double kMaxScatter = 1.35;  // mean square of these: 0.97 if they are normal, 3 where a surface crosses the plane
+constexpr double kMaxMean = 0.3;      // their mean, and ...
+constexpr double kSignificant = 3.0;  // ... standard deviations of such a mean
+constexpr std::size_t kFewest = 16;   // points that tell this
+
+class RegionExtender {
+ public:
+  RegionExtender(const BeamGrid& grid, const BeamPlanes& planes, const CoplanarityTolerance& tolerance, int smallest,
+                 ExtensionMemory& memory, LabelImage& labels, const std::vector<LabelRun>& runs)
+      : grid_(grid), planes_(planes), tolerance_(tolerance), labels_(labels.labels), runs_(runs), memory_(memory) {
+    memory.points.assign(planes.size(), 0);
+    for (const LabelRun& run : runs) memory.points[run.label] += run.end - run.begin;
+    memory.loose.resize(planes.size());
+    for (std::size_t label = 0; label < planes.size(); ++label) {
+      memory.loose[label] = label == 0 || memory.points[label] < smallest ? 1 : 0;
+    }
+    memory.tried.resize(static_cast<std::size_t>(grid.size()), 0);
+  }
+
+  // @return whether any region has been extended.
+  bool extendAll(int threads) {
+    listSteps(threads);
+    bool any = false;
+    memory_.reached.clear();
+    for (const ExtensionMemory::Step& step : memory_.steps) {
+      if (isFree(step.pixel) && memory_.tried[step.pixel] != step.label) any = extend(step) || any;
+    }
+    for (const int i : memory_.reached) memory_.tried[i] = 0;
+    return any;
+  }
+
+ private:
+  bool isFree(int i) const { return memory_.loose[labels_[i]] != 0; }
+
+  // The steps of all regions, those of large ones first.
+  void listSteps(int threads) {
+    const int count = static_cast<int>(runs_.size()) + 1, parts = rangeCount(threads, count);
+    std::vector<std::vector<ExtensionMemory::Step>>& lists = memory_.lists;
+    if (lists.size() < static_cast<std::size_t>(parts)) lists.resize(static_cast<std::size_t>(parts));
+    forEachPart(threads, parts, [&](int part) {
+      lists[part].clear();
+      for (int k = partBegin(count, parts, part), end = partBegin(count, parts, part + 1); k < end; ++k) {
+        const int from = k == 0 ? 0 : runs_[k - 1].end, to = k + 1 == count ? grid_.size() : runs_[k].begin;
+        listWithin(from, to, lists[part]);
+        if (k + 1 < count && memory_.loose[runs_[k].label] != 0) listWithin(to, runs_[k].end, lists[part]);
+      }
+    });
+    std::vector<ExtensionMemory::Step>& steps = memory_.steps;
+    steps.clear();
+    for (int part = 0; part < parts; ++part) steps.insert(steps.end(), lists[part].begin(), lists[part].end());
+    const std::vector<int>& points = memory_.points;
+    std::sort(steps.begin(), steps.end(), [&](const ExtensionMemory::Step& a, const ExtensionMemory::Step& b) {
+      if (points[a.label] != points[b.label]) return points[a.label] > points[b.label];
+      return a.label != b.label ? a.label < b.label : a.pixel < b.pixel;
+    });
+  }
+
+  void listWithin(int begin, int end, std::vector<ExtensionMemory::Step>& out) const {
+    const float* const ranges = grid_.range.data();
+    for (int i = begin; i < end; i += kLanes) {
+      const int count = std::min(kLanes, end - i);
+      const Lanes four = count == kLanes ? loadLanes<Lanes>(ranges + i) : loadLanes<Lanes>(ranges + i, count);
+      if (!anyLane(four > Lanes{})) continue;  // where nothing was measured
+      for (int k = i; k < i + count; ++k) {
+        if (!grid_.valid(k)) continue;
+        std::int32_t last = 0;
+        forEachBeside(k, [&](int j) {
+          const std::int32_t label = labels_[j];
+          if (memory_.loose[label] != 0 || label == last) return;
+          last = label;
+          if (std::abs(errorOf(k, label)) <= kGate) out.push_back({label, k});
+        });
+      }
+    }
+  }
+
+  template <typename F>
+  void forEachBeside(int i, F&& visit) const {
+    const int cols = grid_.cols;
+    if (i >= cols) visit(i - cols);
+    if (i + cols < grid_.size()) visit(i + cols);
+    const int col = i % cols;
+    if (col > 0) visit(i - 1);
+    if (col + 1 < cols) visit(i + 1);
+  }
+
+  // Distance of a point from a plane along its beam, in standard deviations; infinite where the beam does not meet it.
+  float errorOf(int i, std::int32_t label) const {
+    const BeamPlanes::Meeting met = planes_.meet(i, label);
+    if (!(met.along * met.across > 0.0)) return std::numeric_limits<float>::infinity();
+    const BeamPlanes::Errors errors = planes_.errorsAt(i);
+    const double secant2 = std::min(kMaxSecant2, planes_.of(label).squaredNorm() / (met.along * met.along));
+    const double variance = errors.sigma * errors.sigma + errors.floor * errors.floor * secant2;
+    return static_cast<float>((grid_.range[i] - met.across / met.along) / std::sqrt(variance));
+  }
+
+  bool extend(const ExtensionMemory::Step& step) {
+    std::vector<int>& reached = memory_.reached;
+    const std::size_t begin = reached.size();
+    double sum = 0.0, squares = 0.0;
+    const auto reach = [&](int i) {
+      if (!grid_.valid(i) || !isFree(i) || memory_.tried[i] == step.label) return;
+      const float error = errorOf(i, step.label);
+      if (!(std::abs(error) <= kGate)) return;
+      memory_.tried[i] = step.label;
+      reached.push_back(i);
+      sum += error;
+      squares += double{error} * error;
+    };
+    reach(step.pixel);
+    for (std::size_t k = begin; k < reached.size(); ++k) forEachBeside(reached[k], reach);
+    const std::size_t count = reached.size() - begin;
+    const auto n = static_cast<double>(count);
+    const double deviation = std::sqrt(std::min(1.0, tolerance_.inflationOf(n) / n));
+    if (count < kFewest || squares > kMaxScatter * n || std::abs(sum / n) > kMaxMean + kSignificant * deviation)
+      return false;
+    for (std::size_t k = begin; k < reached.size(); ++k) labels_[reached[k]] = step.label;
+    return true;
+  }
+
+  const BeamGrid& grid_;
+  const BeamPlanes& planes_;
+  const CoplanarityTolerance& tolerance_;
+  std::vector<std::int32_t>& labels_;
+  const std::vector<LabelRun>& runs_;
+  ExtensionMemory& memory_;
+};
+
+}  // namespace
+
+bool extendRegions(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
+                   const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, ExtensionMemory& memory,
+                   LabelImage& labels, const std::vector<LabelRun>& runs, int threads) {
+  const BeamPlanes of_labels(grid, planes, center, noise, tolerance);
+  return RegionExtender(grid, of_labels, tolerance, smallest, memory, labels, runs).extendAll(threads);
+}
+
+}  // namespace ppc
