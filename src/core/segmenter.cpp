@@ -64,7 +64,7 @@ void addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, const Coplan
   const PatchClusters& clusters = memory.clusters;
   growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config), memory.growth, memory.clusters,
                config.threads);
-  const int fewest_points = smallestRegion(config, grid.size()) / 4;
+  const int fewest_points = smallestRegion(config, grid.size()) / 16;  // whatever is left of a thin one may be extended
   std::int32_t next = first;
   for (const Cluster& cluster : clusters.clusters) {
     if (cluster.moments.n < fewest_points) continue;
