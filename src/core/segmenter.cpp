@@ -30,6 +30,8 @@
 namespace ppc {
 namespace {
 
+constexpr int kFewestPoints = 20;  // of a cluster of small patches: much of a thin region may lie around it
+
 PatchComparison comparisonOf(const Config& config) { return {config.running_plane, config.noise_aware}; }
 
 // What correlated errors do to the noise, if it is estimated, and to the tolerance. Returns whether anything.
@@ -64,7 +66,7 @@ void addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, const Coplan
   const PatchClusters& clusters = memory.clusters;
   growClusters(patches, noise, tolerance, config.similarity_threshold, comparisonOf(config), memory.growth, memory.clusters,
                config.threads);
-  const int fewest_points = smallestRegion(config, grid.size()) / 16;  // whatever is left of a thin one may be extended
+  const int fewest_points = std::min(kFewestPoints, smallestRegion(config, grid.size()) / 4);
   std::int32_t next = first;
   for (const Cluster& cluster : clusters.clusters) {
     if (cluster.moments.n < fewest_points) continue;
