@@ -30,12 +30,7 @@ class HoleFiller {
         specks_(memory.specks) {
     seen_.resize(static_cast<std::size_t>(grid.size()), 0);
     specks_.clear();
-    memory.points.assign(planes.size(), 0);
-    for (const LabelRun& run : runs) memory.points[run.label] += run.end - run.begin;
-    loose_.resize(planes.size());
-    for (std::size_t label = 0; label < loose_.size(); ++label) {
-      loose_[label] = label == 0 || memory.points[label] < smallest ? 1 : 0;
-    }
+    findLoose(runs, planes.size(), smallest, memory.points, loose_);
   }
 
   // Runs are those before anything was extended or filled: what was filled since was seen. @return whether anything was.

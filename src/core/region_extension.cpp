@@ -25,12 +25,7 @@ class RegionExtender {
   RegionExtender(const BeamGrid& grid, const BeamPlanes& planes, const CoplanarityTolerance& tolerance, int smallest,
                  ExtensionMemory& memory, LabelImage& labels, const std::vector<LabelRun>& runs)
       : grid_(grid), planes_(planes), tolerance_(tolerance), labels_(labels.labels), runs_(runs), memory_(memory) {
-    memory.points.assign(planes.size(), 0);
-    for (const LabelRun& run : runs) memory.points[run.label] += run.end - run.begin;
-    memory.loose.resize(planes.size());
-    for (std::size_t label = 0; label < planes.size(); ++label) {
-      memory.loose[label] = label == 0 || memory.points[label] < smallest ? 1 : 0;
-    }
+    findLoose(runs, planes.size(), smallest, memory.points, memory.loose);
     memory.tried.resize(static_cast<std::size_t>(grid.size()), 0);
   }
 

@@ -103,6 +103,14 @@ TEST(LabelRuns, AreSortedAndGroupedByLabel) {
   EXPECT_EQ(runs[4].begin, 5);
 }
 
+TEST(LabelRuns, LooseLabelsHaveTooFewPoints) {
+  std::vector<int> points{7};
+  std::vector<char> loose{1, 1, 1, 1, 1, 1};
+  findLoose({{1, 0, 3}, {3, 4, 5}, {1, 6, 8}, {2, 8, 12}}, 5, 5, points, loose);
+  EXPECT_EQ(points, (std::vector<int>{0, 5, 4, 1, 0}));
+  EXPECT_EQ(loose, (std::vector<char>{1, 0, 1, 1, 1}));
+}
+
 TEST(LabelRuns, ChangesAlongRowsAndColumns) {
   std::mt19937 random(3);
   for (int trial = 0; trial < 50; ++trial) {

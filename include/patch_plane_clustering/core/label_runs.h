@@ -187,6 +187,16 @@ inline void renameRuns(const std::vector<std::int32_t>& names, std::vector<Label
   runs.resize(kept);
 }
 
+/// Counts the points of every label, and finds those that are no region: 0, and what has fewer than `smallest`.
+/// @param labels count of labels. @param points, loose set; index = label.
+inline void findLoose(const std::vector<LabelRun>& runs, std::size_t labels, int smallest, std::vector<int>& points,
+                      std::vector<char>& loose) {
+  points.assign(labels, 0);
+  for (const LabelRun& run : runs) points[run.label] += run.end - run.begin;
+  loose.resize(labels);
+  for (std::size_t label = 0; label < labels; ++label) loose[label] = label == 0 || points[label] < smallest ? 1 : 0;
+}
+
 /// The largest label of an image; 0 if there is none.
 inline std::int32_t highestLabel(const LabelImage& labels) {
   std::int32_t highest = 0;
