@@ -2,7 +2,7 @@
 #include "patch_plane_clustering/core/hole_filling.h"
 
 #include "patch_plane_clustering/core/beam_planes.h"
-#include "patch_plane_clustering/core/lanes.h"
+#include "patch_plane_clustering/core/loose_pixels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,30 +35,14 @@ class HoleFiller {
 
   // Runs are those before anything was extended or filled: what was filled since was seen. @return whether anything was.
   bool fillAll() {
-    int end = 0;  // of the run before
-    for (const LabelRun& run : runs_) {
-      fillWithin(end, run.begin);
-      if (loose_[run.label] != 0) fillWithin(run.begin, run.end);
-      end = run.end;
-    }
-    fillWithin(end, grid_.size());
+    forEachLoose(grid_, runs_, loose_, 0, static_cast<int>(runs_.size()) + 1, [&](int i) {
+      if (seen_[i] == 0 && loose_[labels_[i]] != 0) fillFrom(i);
+    });
     for (const HoleMemory::Pixel& pixel : specks_) seen_[pixel.index] = 0;
     return any_filled_;
   }
 
  private:
-  void fillWithin(int begin, int end) {
-    const float* const ranges = grid_.range.data();
-    for (int i = begin; i < end; i += kLanes) {
-      const int count = std::min(kLanes, end - i);
-      const Lanes four = count == kLanes ? loadLanes<Lanes>(ranges + i) : loadLanes<Lanes>(ranges + i, count);
-      if (!anyLane(four > Lanes{})) continue;  // where nothing was measured
-      for (int k = i; k < i + count; ++k) {
-        if (seen_[k] == 0 && grid_.valid(k) && loose_[labels_[k]] != 0) fillFrom(k);
-      }
-    }
-  }
-
   void fillFrom(int first) {
     const std::size_t begin = specks_.size();
     const std::int32_t around = collect(first);
@@ -97,14 +81,13 @@ class HoleFiller {
 
   // Whether the speck from `begin` on lies on a plane as well as noise lets it.
   bool belongs(std::size_t begin, std::int32_t label) const {
-    const double a2 = planes_.of(label).squaredNorm();
     double sum = 0.0, squares = 0.0, variances = 0.0, allowed = 0.0;
     for (std::size_t p = begin; p < specks_.size(); ++p) {
       const int i = specks_[p].index;
       const BeamPlanes::Meeting met = planes_.meet(i, label);
       const BeamPlanes::Errors errors = planes_.errorsAt(i);
       const double distance = grid_.range[i] - met.across / met.along;
-      const double tolerated = errors.floor * errors.floor * std::min(kMaxSecant2, a2 / (met.along * met.along));
+      const double tolerated = planes_.allowedAlong(label, met.along, errors.floor);
       sum += distance;
       squares += distance * distance / (errors.sigma * errors.sigma + tolerated);
       variances += errors.sigma * errors.sigma;

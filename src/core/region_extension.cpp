@@ -2,7 +2,7 @@
 #include "patch_plane_clustering/core/region_extension.h"
 
 #include "patch_plane_clustering/core/beam_planes.h"
-#include "patch_plane_clustering/core/lanes.h"
+#include "patch_plane_clustering/core/loose_pixels.h"
 #include "patch_plane_clustering/core/parallel.h"
 
 #include <algorithm>
@@ -51,11 +51,8 @@ class RegionExtender {
     if (lists.size() < static_cast<std::size_t>(parts)) lists.resize(static_cast<std::size_t>(parts));
     forEachPart(threads, parts, [&](int part) {
       lists[part].clear();
-      for (int k = partBegin(count, parts, part), end = partBegin(count, parts, part + 1); k < end; ++k) {
-        const int from = k == 0 ? 0 : runs_[k - 1].end, to = k + 1 == count ? grid_.size() : runs_[k].begin;
-        listWithin(from, to, lists[part]);
-        if (k + 1 < count && memory_.loose[runs_[k].label] != 0) listWithin(to, runs_[k].end, lists[part]);
-      }
+      forEachLoose(grid_, runs_, memory_.loose, partBegin(count, parts, part), partBegin(count, parts, part + 1),
+                   [&](int i) { listFrom(i, lists[part]); });
     });
     std::vector<ExtensionMemory::Step>& steps = memory_.steps;
     steps.clear();
@@ -67,23 +64,15 @@ class RegionExtender {
     });
   }
 
-  void listWithin(int begin, int end, std::vector<ExtensionMemory::Step>& out) const {
-    const float* const ranges = grid_.range.data();
-    for (int i = begin; i < end; i += kLanes) {
-      const int count = std::min(kLanes, end - i);
-      const Lanes four = count == kLanes ? loadLanes<Lanes>(ranges + i) : loadLanes<Lanes>(ranges + i, count);
-      if (!anyLane(four > Lanes{})) continue;  // where nothing was measured
-      for (int k = i; k < i + count; ++k) {
-        if (!grid_.valid(k)) continue;
-        std::int32_t last = 0;
-        forEachBeside(k, [&](int j) {
-          const std::int32_t label = labels_[j];
-          if (memory_.loose[label] != 0 || label == last) return;
-          last = label;
-          if (std::abs(errorOf(k, label)) <= kGate) out.push_back({label, k});
-        });
-      }
-    }
+  // Appends the steps to a pixel from the regions beside it.
+  void listFrom(int i, std::vector<ExtensionMemory::Step>& out) const {
+    std::int32_t last = 0;
+    forEachBeside(i, [&](int j) {
+      const std::int32_t label = labels_[j];
+      if (memory_.loose[label] != 0 || label == last) return;
+      last = label;
+      if (std::abs(errorOf(i, label)) <= kGate) out.push_back({label, i});
+    });
   }
 
   template <typename F>
@@ -101,8 +90,7 @@ class RegionExtender {
     const BeamPlanes::Meeting met = planes_.meet(i, label);
     if (!(met.along * met.across > 0.0)) return std::numeric_limits<float>::infinity();
     const BeamPlanes::Errors errors = planes_.errorsAt(i);
-    const double secant2 = std::min(kMaxSecant2, planes_.of(label).squaredNorm() / (met.along * met.along));
-    const double variance = errors.sigma * errors.sigma + errors.floor * errors.floor * secant2;
+    const double variance = errors.sigma * errors.sigma + planes_.allowedAlong(label, met.along, errors.floor);
     return static_cast<float>((grid_.range[i] - met.across / met.along) / std::sqrt(variance));
   }
 

@@ -6,6 +6,7 @@
 #include "patch_plane_clustering/core/similarity.h"
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -22,7 +23,6 @@ class BeamPlanes {
       : grid_(grid), planes_(planes), center_(center), noise_(noise), tolerance_(tolerance) {}
 
   std::size_t size() const { return planes_.size(); }  ///< labels
-  const Eigen::Vector3d& of(std::int32_t label) const { return planes_[label]; }
 
   /// A beam meets a plane at the range across / along [m], ahead of it if that is positive.
   struct Meeting {
@@ -40,6 +40,11 @@ class BeamPlanes {
   Errors errorsAt(int pixel) const {
     const double sigma = noise_.sigma(grid_.range[pixel]);
     return {sigma, tolerance_.forNoise(sigma).sigma_distance};
+  }
+
+  /// Variance of what a plane is allowed, across it, along a beam [m^2]. @param along of the beam's Meeting.
+  double allowedAlong(std::int32_t label, double along, double floor) const {
+    return floor * floor * std::min(kMaxSecant2, planes_[label].squaredNorm() / (along * along));
   }
 
  private:
