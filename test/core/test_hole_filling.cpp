@@ -46,8 +46,8 @@ struct HoledWall {
 
   int unlabelledAfter(const CoplanarityTolerance& tolerance = kWhite) {
     const LabelImage before = labels;
-    const bool filled = fillHoles(grid, planes, Eigen::Vector3d::Zero(), kNoise, tolerance, kSmallest, memory, labels,
-                                  labelRuns(before));
+    const bool filled =
+        fillHoles(grid, planes, Eigen::Vector3d::Zero(), kNoise, tolerance, kSmallest, memory, labels, labelRuns(before));
     EXPECT_EQ(filled, labels.labels != before.labels);
     EXPECT_EQ(std::count(memory.seen.begin(), memory.seen.end(), 0), grid.size());
     return countOf(labels, 0);
