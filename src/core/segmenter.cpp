@@ -220,6 +220,11 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
   std::vector<Eigen::Vector3d>& piece_planes = memory.piece_planes;
   piece_planes.clear();
   for (const std::int32_t label : settle ? memory.settled : pieces.whole) piece_planes.push_back(planes[label]);
+  if (config.noise_aware) {
+    refitSmallPlanes(grid, patches.center, noise, tolerance, smallest, runs, memory.small_planes, piece_planes,
+                     config.threads);
+    timer.lap("small planes");
+  }
   if (config.dissolve_regions && config.noise_aware) {
     dissolveRegions(grid, piece_planes, patches.center, noise, tolerance, smallest, memory.dissolution, labels, runs,
                     config.threads);
@@ -239,8 +244,7 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
   }
   if (extended) listRuns(labels, borders.listing, runs, config.threads);
   if (config.refine && config.align_creases) {
-    // The plane of the smallest regions is not known well enough to tell where it meets another one.
-    alignCreases(grid, piece_planes, patches.center, noise, tolerance, 2 * smallest, memory.creases, runs, labels,
+    alignCreases(grid, piece_planes, patches.center, noise, tolerance, smallest, memory.creases, runs, labels,
                  config.threads);
     timer.lap("creases");
   }

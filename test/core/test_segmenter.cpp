@@ -92,6 +92,34 @@ TEST(Segmenter, FindsBothWallsOfACrease) {
   }
 }
 
+// A wall and a face of some six columns that meet at a slanted corner: no pixel of one turns the plane of the other.
+TEST(Segmenter, ANarrowFaceEndsAtTheCrease) {
+  Config config;
+  config.min_size = 350;
+  const Plane wide{Eigen::Vector3d(-1.0, 0.0, 0.0), -2.5};
+  const Eigen::Vector3d normal = Eigen::Vector3d(-0.9, -0.4, 0.1).normalized();
+  const Plane narrow{normal, normal.dot(Eigen::Vector3d(2.5, 0.2, 0.0))};
+  constexpr int kImages = 20;
+  int wrong = 0, points = 0;
+  double degrees = 0.0;
+  for (int image = 0; image < kImages; ++image) {
+    BeamGrid grid = forwardBeams(90, 120, kStep);
+    const LabelImage truth = scanFaces({{wide, [](const Eigen::Vector3d& p) { return p.y() < 0.25; }},
+                                        {narrow, [](const Eigen::Vector3d& p) { return p.y() < 0.27; }}},
+                                       grid);
+    points += countOf(truth, 2);
+    addNoise(grid, 0.02, 0.0, 0.0, static_cast<std::uint64_t>(image));
+    const Segmentation result = segment(grid, config);
+    ASSERT_EQ(result.regions.size(), 2U) << image;
+    for (int i = 0; i < grid.size(); ++i) wrong += result.labels.labels[i] != truth.labels[i] ? 1 : 0;
+    degrees += std::acos(std::min(1.0, result.regions[1].plane.normal.dot(normal))) / kDegree;
+  }
+  ASSERT_GT(points, 400 * kImages);
+  ASSERT_LT(points, 700 * kImages);
+  EXPECT_LT(wrong, 110 * kImages);
+  EXPECT_LT(degrees, 1.1 * kImages);
+}
+
 TEST(Segmenter, SeparatesAStep) {
   BeamGrid grid = forwardBeams(120, 200, kStep);
   const LabelImage truth =

@@ -3,44 +3,32 @@
 
 #include "patch_plane_clustering/core/beam_grid.h"
 #include "patch_plane_clustering/core/label_runs.h"
-#include "patch_plane_clustering/core/moments.h"
+#include "patch_plane_clustering/core/near_fit.h"
 #include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/region_fringe.h"
 #include "patch_plane_clustering/core/run_listing.h"
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/similarity.h"
+#include "patch_plane_clustering/core/small_regions.h"
 
 #include <Eigen/Core>
-#include <cstddef>
-#include <cstdint>
 #include <vector>
 
 namespace ppc {
 
 /// @brief Working memory of trimRegions(), which one image after the other may use.
 struct TrimmingMemory {
-  struct Candidate {  ///< a region that is judged, and its stretches of pixels
-    std::int32_t label;
-    std::size_t begin, end;
-  };
-  struct Point {  ///< about the planes' origin [m], its weight, see Moments, and where it is in the image
-    Eigen::Vector3d at;
-    double weight;
-    int pixel;
-  };
   struct Work {  ///< of one thread
-    std::vector<Point> points;
+    std::vector<RegionPoint> points;
     std::vector<PixelStretch> kept, next;  ///< of the region, what is left of it
     FringeMemory fringe;
   };
   RunListMemory listing;
-  std::vector<LabelRun> runs;           ///< of all labels, then of those that are judged, region by region
-  std::vector<int> points;              ///< of each label
-  std::vector<PixelStretch> stretches;  ///< of the candidates, one after the other
-  std::vector<Candidate> candidates;
+  std::vector<LabelRun> runs;  ///< of all labels
+  SmallRegions small;          ///< those that are judged
   std::vector<Work> works;
-  std::vector<std::vector<PixelStretch>> left;  ///< of each candidate, what is left of it
-  std::vector<char> trimmed;                    ///< of each candidate, whether that is less than all
+  std::vector<std::vector<PixelStretch>> left;  ///< of each region, what is left of it
+  std::vector<char> trimmed;                    ///< of each region, whether that is less than all
 };
 
 /// @brief Takes off small regions what they have of others along their borders, and drops those that are no planes.
@@ -54,8 +42,8 @@ struct TrimmingMemory {
 /// allowed explains its errors, which may be bows of a wall or a sensor's own (the tolerance of angles too, across the
 /// surface, as similarity() has it), and from such regions no more than three pixels are taken in depth; if not, it has no
 /// label any more: a few leaves of a plant, a corner of three faces.
-/// For errors that are not correlated (CoplanarityTolerance::isWhite()): others exceed chi-square on planes, too. Regions of
-/// more than 4000 points are left as they are: single pixels turn them little. Deterministic; thread-safe with memory of
+/// For errors that are not correlated (CoplanarityTolerance::isWhite()): others exceed chi-square on planes, too. Larger
+/// regions are left as they are. Deterministic; thread-safe with memory of
 /// one's own.
 /// @param center origin of planes, about which beams begin [m]. @param smallest points of a region that is judged, with a
 /// measurement.

@@ -24,6 +24,7 @@
 #include "patch_plane_clustering/core/region_statistics.h"
 #include "patch_plane_clustering/core/region_trimming.h"
 #include "patch_plane_clustering/core/segmentation.h"
+#include "patch_plane_clustering/core/small_planes.h"
 
 namespace ppc {
 
@@ -63,6 +64,7 @@ struct ClusteringMemory {
   CurvatureMemory curvature;
   std::vector<Eigen::Vector3d> planes, piece_planes;  ///< of the labels, and of their pieces
   DissolutionMemory dissolution;
+  SmallPlaneMemory small_planes;
   ExtensionMemory extension;
   HoleMemory holes;
   CreaseMemory creases;

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "patch_plane_clustering/core/beam_fit.h"
+#include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/noise_model.h"
+#include "patch_plane_clustering/core/similarity.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace ppc {
+
+/// @brief A measurement of a region.
+struct RegionPoint {
+  Eigen::Vector3d at;  ///< about the planes' origin [m]
+  double weight;       ///< see Moments: of noise and CoplanarityTolerance::sigma_distance
+  int pixel;           ///< where it is in the image
+
+  /// Error at which a point is an outlier, squared, in variances.
+  static constexpr double kFarthest2 = 16.0;
+
+  /// Of its range against that of plane `a` (see moments.h), squared, in variances; kFarthest2 if its beam misses the plane.
+  double squaredError(const Eigen::Vector3d& a) const {
+    const double along = a.dot(at), missed = 1.0 - along;
+    return along > 0.0 ? weight * missed * missed / (along * along) : kFarthest2;
+  }
+};
+
+/// @brief The plane of those points of a region that are near it.
+struct NearFit {
+  enum class Of {
+    kFew,   ///< there are fewer than four points: no plane
+    kAll,   ///< it is that of all points, whose chi-square is what noise makes it
+    kNear,  ///< it is that of the points that are not outliers
+    kNone   ///< no plane: few of many points are near that of all
+  };
+  Of of = Of::kFew;
+  Eigen::Vector3d a = Eigen::Vector3d::Zero();  ///< see moments.h
+  double radius = 0.0;                          ///< of the points of kNear [m]
+  double sigma = 0.0;                           ///< root of the mean variance of a point [m]
+  double noise = 0.0;                           ///< the same of noise alone [m]
+};
+
+/// @brief The largest chi-square that noise makes of n points on a plane: the mean and four standard deviations.
+inline double mostChiSquare(double n) { return n + 4.0 * std::sqrt(2.0 * n); }
+
+/// @brief Fits a plane to the measurements of stretches of pixels, along their beams. If not all are explained by noise,
+/// outliers are left out, twice.
+/// @param stretches of one region. @param center origin of planes, about which beams begin [m].
+/// @param points overwritten: all measurements.
+NearFit fitNear(const BeamGrid& grid, const Eigen::Vector3d& center, const NoiseModel& noise,
+                const CoplanarityTolerance& tolerance, const PixelStretch* begin, const PixelStretch* end,
+                std::vector<RegionPoint>& points);
+
+/// @brief Whether chi-square, with errors capped at outliers, is what noise makes it.
+/// @param scaleOf what a point's variance is over what its weight tells.
+template <typename F>
+bool isExplained(const std::vector<RegionPoint>& points, const Eigen::Vector3d& a, const F& scaleOf) {
+  double chi2 = 0.0;
+  for (const RegionPoint& point : points) {
+    chi2 += std::min(RegionPoint::kFarthest2, point.squaredError(a) / scaleOf(point));
+  }
+  return chi2 <= mostChiSquare(static_cast<double>(points.size()));
+}
+
+}  // namespace ppc

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/near_fit.h"
+
+#include "patch_plane_clustering/core/moments.h"
+
+namespace ppc {
+namespace {
+
+constexpr int kFits = 3;  // the first one of all points, then of those that are near
+constexpr int kFewestPoints = 4;
+
+}  // namespace
+
+NearFit fitNear(const BeamGrid& grid, const Eigen::Vector3d& center, const NoiseModel& noise,
+                const CoplanarityTolerance& tolerance, const PixelStretch* begin, const PixelStretch* end,
+                std::vector<RegionPoint>& points) {
+  points.clear();
+  double variances = 0.0, noises = 0.0;
+  for (const PixelStretch* stretch = begin; stretch != end; ++stretch) {
+    for (int i = stretch->begin; i < stretch->end; ++i) {
+      if (!grid.valid(i)) continue;
+      const Eigen::Vector3d at = grid.point(i).cast<double>() - center;
+      const double sigma = noise.sigma(grid.range[i]), floor = tolerance.forNoise(sigma).sigma_distance;
+      const double variance = sigma * sigma + floor * floor;
+      points.push_back({at, at.squaredNorm() / variance, i});
+      variances += variance;
+      noises += sigma * sigma;
+    }
+  }
+  NearFit fit;
+  const double count = std::max<double>(1.0, static_cast<double>(points.size()));
+  fit.sigma = std::sqrt(variances / count);
+  fit.noise = std::sqrt(noises / count);
+  for (int k = 0; k < kFits; ++k) {
+    Moments sum;
+    for (const RegionPoint& point : points) {
+      if (k > 0 && !(point.squaredError(fit.a) < RegionPoint::kFarthest2)) continue;
+      sum.add(point.at.x(), point.at.y(), point.at.z(), point.weight);
+    }
+    if (sum.n < kFewestPoints) {
+      fit.of = k == 0 ? NearFit::Of::kFew : NearFit::Of::kNone;
+      return fit;
+    }
+    const PlaneFit plane = fitPlane(sum);
+    fit.a = plane.a;
+    fit.of = k == 0 ? NearFit::Of::kAll : NearFit::Of::kNear;
+    if (k == 0 && plane.chi2 <= mostChiSquare(sum.n)) return fit;
+    fit.radius = sum.radius();
+  }
+  return fit;
+}
+
+}  // namespace ppc

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/small_planes.h"
+
+#include "analytic_scenes.h"
+
+#include <gtest/gtest.h>
+
+#include <utility>
+#include <vector>
+
+namespace ppc {
+namespace {
+
+using namespace testing_tools;
+
+constexpr int kSmallest = 100;
+const NoiseModel kNoise(SensorModel{0.01, 0.01, 100.0, 0.0}, 1.0);
+const CoplanarityTolerance kTolerance{0.005, 0.005, 1.0};
+
+TEST(SmallRegions, ListsThemByLabel) {
+  LabelImage labels{100, 100, std::vector<std::int32_t>(10000, 1)};
+  for (int i = 0; i < 10000; ++i) {
+    const int c = i % 100;
+    if (i < 500) labels.labels[i] = 4;                         // in one stretch
+    if (i >= 600 && c < 3) labels.labels[i] = 2;               // 282, in many
+    if (i >= 9000 && c >= 90 && c < 99) labels.labels[i] = 3;  // 90: too few
+    if (i >= 8000 && i < 9000 && c > 95) labels.labels[i] = 0;
+  }
+  SmallRegions small;
+  for (int again = 0; again < 2; ++again) {
+    small.list(labelRuns(labels), kSmallest);
+    ASSERT_EQ(2U, small.regions.size());
+    EXPECT_EQ(2, small.regions[0].label);
+    EXPECT_EQ(94U, small.regions[0].end - small.regions[0].begin);
+    EXPECT_EQ(600, small.stretches[small.regions[0].begin].begin);
+    EXPECT_EQ(603, small.stretches[small.regions[0].begin].end);
+    EXPECT_EQ(4, small.regions[1].label);
+    ASSERT_EQ(1U, small.regions[1].end - small.regions[1].begin);
+    EXPECT_EQ(0, small.stretches[small.regions[1].begin].begin);
+    EXPECT_EQ(500, small.stretches[small.regions[1].begin].end);
+    EXPECT_EQ(90, small.points[3]);
+    EXPECT_EQ(500, small.points[4]);
+  }
+  small.list({}, kSmallest);
+  EXPECT_TRUE(small.regions.empty());
+}
+
+// A wall and a narrow panel before it, 5 columns wide; planes of both turned by some degrees.
+struct Scene {
+  BeamGrid grid = forwardBeams(90, 100, 0.01);
+  LabelImage labels;
+  std::vector<Plane> truth{{}, {-Eigen::Vector3d::UnitX(), -2.5}, {Eigen::Vector3d(-1.0, 0.5, 0.2).normalized(), -2.0}};
+  std::vector<Eigen::Vector3d> planes{Eigen::Vector3d::Zero(), {-0.3, 0.1, 0.0}, {-0.4, 0.1, 0.1}, {1.0, 2.0, 3.0}};
+  SmallPlaneMemory memory;
+
+  Scene() {
+    labels = scan({wall(truth[1].normal, truth[1].d)}, grid);
+    BeamGrid panel = grid;
+    scan({wall(truth[2].normal, truth[2].d)}, panel);
+    for (int r = 0; r < grid.rows; ++r) {
+      for (int c = 40; c < 45; ++c) {
+        grid.range[grid.index(r, c)] = panel.range[grid.index(r, c)];
+        labels.labels[grid.index(r, c)] = 2;
+      }
+    }
+    addNoise(grid, 0.01);
+  }
+  std::vector<Eigen::Vector3d> refit(int threads = 1) {
+    std::vector<Eigen::Vector3d> result = planes;
+    refitSmallPlanes(grid, Eigen::Vector3d::Zero(), kNoise, kTolerance, kSmallest, labelRuns(labels), memory, result,
+                     threads);
+    return result;
+  }
+};
+
+TEST(RefitSmallPlanes, FitsThemToTheirPoints) {
+  Scene scene;
+  const std::vector<Eigen::Vector3d> result = scene.refit();
+  const Eigen::Vector3d truth = scene.truth[2].normal / scene.truth[2].d;
+  EXPECT_LT(std::acos(result[2].normalized().dot(truth.normalized())) / kDegree, 2.0);
+  EXPECT_NEAR(truth.norm(), result[2].norm(), 0.01);
+}
+
+TEST(RefitSmallPlanes, LeavesTheOthers) {
+  Scene scene;
+  for (int i = 0; i < 90; ++i) scene.labels.labels[i] = 3;  // too few
+  const std::vector<Eigen::Vector3d> result = scene.refit();
+  EXPECT_EQ(scene.planes[1], result[1]);  // 8500 points
+  EXPECT_EQ(scene.planes[3], result[3]);
+  EXPECT_NE(scene.planes[2], result[2]);
+}
+
+TEST(RefitSmallPlanes, LeavesWhatHasNoPlane) {
+  Scene scene;
+  for (int i = 0; i < scene.grid.size(); ++i) {
+    if (scene.labels.labels[i] == 2) scene.grid.range[i] += (i + i / 100) % 2 == 0 ? 0.5F : -0.5F;
+  }
+  EXPECT_EQ(scene.planes[2], scene.refit()[2]);
+}
+
+TEST(RefitSmallPlanes, DoesNotDependOnThreadsOrMemory) {
+  Scene scene;
+  const std::vector<Eigen::Vector3d> result = scene.refit();
+  for (const int threads : {1, 2, 4}) EXPECT_EQ(result, scene.refit(threads));
+}
+
+}  // namespace
+}  // namespace ppc
