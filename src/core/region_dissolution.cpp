@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/beam_planes.h"
 #include "patch_plane_clustering/core/lanes.h"
+#include "patch_plane_clustering/core/parallel.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -23,6 +24,8 @@ constexpr int kHostSizes = 4;         // least size of such a plane over the bum
 constexpr float kFarthest2 = 25.0F;   // squared distance at which a point is an outlier, in variances
 constexpr float kFarthestOf2 = 9.0F;  // and at which it is not of a plane
 
+using Region = RegionStretches::Region;
+
 class Dissolver {
  public:
   Dissolver(const BeamGrid& grid, const BeamPlanes& planes, int smallest, DissolutionMemory& memory, LabelImage& labels,
@@ -37,27 +40,27 @@ class Dissolver {
 
   /// @param correlated whether noise makes bumps.
   void dissolveAll(bool correlated) {
-    memory_.points.assign(planes_.size(), 0);
-    for (const LabelRun& run : runs_) memory_.points[run.label] += run.end - run.begin;
-    listCandidates(correlated);
+    countPoints(runs_, planes_.size(), memory_.points);
+    listJudged(correlated);
     memory_.touches.assign(planes_.size(), 0);
     memory_.mean_costs.assign(planes_.size(), -1.0F);
-    std::size_t explained = 0;  // by all that is around; but what is none itself is given nothing
-    for (const DissolutionMemory::Candidate& region : memory_.candidates) {
+    std::vector<Region>& dissolved =
+        memory_.dissolved;  // explained by all that is around; but what is none itself is given nothing
+    dissolved.clear();
+    for (const Region& region : memory_.judged.regions) {
+      const bool thin = isThin(region.label);
+      if (!thin && !correlated) continue;
       lookAt(region);
-      if ((isThin(region.label) && isExplained(region.label)) || (correlated && isBump(region.label))) {
-        memory_.candidates[explained++] = region;
-      }
+      if ((thin && isExplained(region.label)) || (correlated && isBump(region.label))) dissolved.push_back(region);
     }
-    memory_.candidates.resize(explained);
-    for (const DissolutionMemory::Candidate& region : memory_.candidates) memory_.points[region.label] = 0;
-    for (const DissolutionMemory::Candidate& region : memory_.candidates) {
+    for (const Region& region : dissolved) memory_.points[region.label] = 0;
+    for (const Region& region : dissolved) {
       lookAt(region);
       if (memory_.around.empty()) continue;
       measure(region.label, memory_.pixels.size());
       giveAway(region.label);
     }
-    if (!memory_.candidates.empty()) listRuns(labels_, memory_.listing, runs_, threads_);
+    if (!dissolved.empty()) listRuns(labels_, memory_.listing, runs_, threads_);
   }
 
  private:
@@ -105,16 +108,17 @@ class Dissolver {
     return countLanes(inside);
   }
 
-  void countInside(std::int32_t label, std::size_t begin, std::size_t end) {
-    int& count = memory_.inside[label];
-    count = 0;
-    for (std::size_t k = begin; k < end; ++k) {
-      for (int i = memory_.candidate_runs[k].begin; i < memory_.candidate_runs[k].end; ++i) count += isInside(i) ? 1 : 0;
+  int countInside(const Region& region) const {
+    int count = 0;
+    for (std::size_t s = region.begin; s < region.end; ++s) {
+      const PixelStretch& stretch = memory_.judged.stretches[s];
+      for (int i = stretch.begin; i < stretch.end; ++i) count += isInside(i) ? 1 : 0;
     }
+    return count;
   }
 
-  // Lists regions that are thin or, if `all`, also those that are not.
-  void listCandidates(bool all) {
+  // Lists regions that may be thin or, if `all`, also those that are not.
+  void listJudged(bool all) {
     std::vector<int>& inside = memory_.inside;
     inside.assign(planes_.size(), 0);
     std::vector<int>& run_inside = memory_.run_inside;
@@ -123,24 +127,20 @@ class Dissolver {
       for (int k = begin; k < end; ++k) run_inside[k] = isJudged(runs_[k].label) ? countSurelyInside(runs_[k]) : 0;
     });
     for (std::size_t k = 0; k < runs_.size(); ++k) inside[runs_[k].label] += run_inside[k];
-    std::vector<LabelRun>& runs = memory_.candidate_runs;
-    runs.clear();
-    for (const LabelRun& run : runs_) {
-      if (all ? isJudged(run.label) : isThin(run.label)) runs.push_back(run);
-    }
-    sortByLabel(runs);
-    memory_.candidates.clear();
-    forEachLabel(runs, [&](std::int32_t label, std::size_t begin, std::size_t end) {
-      if (isThin(label)) countInside(label, begin, end);
-      if (all || isThin(label)) memory_.candidates.push_back({label, begin, end});
+    RegionStretches& judged = memory_.judged;
+    judged.list(runs_, planes_.size(), [&](std::int32_t label) { return all ? isJudged(label) : isThin(label); });
+    forEachPart(threads_, static_cast<int>(judged.regions.size()), [&](int k) {
+      const Region& region = judged.regions[k];
+      if (isThin(region.label)) inside[region.label] = countInside(region);
     });
   }
 
   // Lists the points of a region, and what is around it.
-  void lookAt(const DissolutionMemory::Candidate& region) {
+  void lookAt(const Region& region) {
     memory_.pixels.clear();
-    for (std::size_t k = region.begin; k < region.end; ++k) {
-      for (int i = memory_.candidate_runs[k].begin; i < memory_.candidate_runs[k].end; ++i) {
+    for (std::size_t s = region.begin; s < region.end; ++s) {
+      const PixelStretch& stretch = memory_.judged.stretches[s];
+      for (int i = stretch.begin; i < stretch.end; ++i) {
         if (grid_.valid(i)) memory_.pixels.push_back(i);
       }
     }

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace ppc {
@@ -44,7 +45,7 @@ class RegionExtender {
  private:
   bool isFree(int i) const { return memory_.loose[labels_[i]] != 0; }
 
-  // The steps of all regions, those of large ones first.
+  // The steps of all regions, those of large ones first, each one's in scan order.
   void listSteps(int threads) {
     const int count = static_cast<int>(runs_.size()) + 1, parts = rangeCount(threads, count);
     std::vector<std::vector<ExtensionMemory::Step>>& lists = memory_.lists;
@@ -54,14 +55,32 @@ class RegionExtender {
       forEachLoose(grid_, runs_, memory_.loose, partBegin(count, parts, part), partBegin(count, parts, part + 1),
                    [&](int i) { listFrom(i, lists[part]); });
     });
-    std::vector<ExtensionMemory::Step>& steps = memory_.steps;
-    steps.clear();
-    for (int part = 0; part < parts; ++part) steps.insert(steps.end(), lists[part].begin(), lists[part].end());
+    std::vector<std::size_t>& next = memory_.next;
+    next.assign(memory_.points.size(), 0);
+    std::size_t count_of_all = 0;
+    for (int part = 0; part < parts; ++part) {
+      count_of_all += lists[part].size();
+      for (const ExtensionMemory::Step& step : lists[part]) ++next[step.label];
+    }
+    orderLabels();
+    std::size_t end = 0;
+    for (const std::int32_t label : memory_.order) end += std::exchange(next[label], end);
+    memory_.steps.resize(count_of_all);
+    for (int part = 0; part < parts; ++part) {
+      for (const ExtensionMemory::Step& step : lists[part]) memory_.steps[next[step.label]++] = step;
+    }
+  }
+
+  // Labels that have steps, those of large regions first.
+  void orderLabels() {
+    std::vector<std::int32_t>& order = memory_.order;
+    order.clear();
+    for (std::size_t label = 0; label < memory_.next.size(); ++label) {
+      if (memory_.next[label] > 0) order.push_back(static_cast<std::int32_t>(label));
+    }
     const std::vector<int>& points = memory_.points;
-    std::sort(steps.begin(), steps.end(), [&](const ExtensionMemory::Step& a, const ExtensionMemory::Step& b) {
-      if (points[a.label] != points[b.label]) return points[a.label] > points[b.label];
-      return a.label != b.label ? a.label < b.label : a.pixel < b.pixel;
-    });
+    std::sort(order.begin(), order.end(),
+              [&](std::int32_t a, std::int32_t b) { return points[a] != points[b] ? points[a] > points[b] : a < b; });
   }
 
   // Appends the steps to a pixel from the regions beside it.

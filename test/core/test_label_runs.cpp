@@ -91,18 +91,6 @@ TEST(LabelRuns, AreThoseOfNewNames) {
   }
 }
 
-TEST(LabelRuns, AreSortedAndGroupedByLabel) {
-  std::vector<LabelRun> runs = {{3, 0, 2}, {1, 2, 5}, {3, 5, 6}, {2, 7, 9}, {1, 9, 10}};
-  sortByLabel(runs);
-  std::vector<std::tuple<std::int32_t, std::size_t, std::size_t>> groups;
-  forEachLabel(runs,
-               [&](std::int32_t label, std::size_t begin, std::size_t end) { groups.emplace_back(label, begin, end); });
-  EXPECT_EQ(groups, (std::vector<std::tuple<std::int32_t, std::size_t, std::size_t>>{{1, 0, 2}, {2, 2, 3}, {3, 3, 5}}));
-  EXPECT_EQ(runs[0].begin, 2);
-  EXPECT_EQ(runs[1].begin, 9);
-  EXPECT_EQ(runs[4].begin, 5);
-}
-
 TEST(LabelRuns, LooseLabelsHaveTooFewPoints) {
   std::vector<int> points{7};
   std::vector<char> loose{1, 1, 1, 1, 1, 1};

@@ -17,34 +17,6 @@ constexpr int kSmallest = 100;
 const NoiseModel kNoise(SensorModel{0.01, 0.01, 100.0, 0.0}, 1.0);
 const CoplanarityTolerance kTolerance{0.005, 0.005, 1.0};
 
-TEST(SmallRegions, ListsThemByLabel) {
-  LabelImage labels{100, 100, std::vector<std::int32_t>(10000, 1)};
-  for (int i = 0; i < 10000; ++i) {
-    const int c = i % 100;
-    if (i < 500) labels.labels[i] = 4;                         // in one stretch
-    if (i >= 600 && c < 3) labels.labels[i] = 2;               // 282, in many
-    if (i >= 9000 && c >= 90 && c < 99) labels.labels[i] = 3;  // 90: too few
-    if (i >= 8000 && i < 9000 && c > 95) labels.labels[i] = 0;
-  }
-  SmallRegions small;
-  for (int again = 0; again < 2; ++again) {
-    small.list(labelRuns(labels), kSmallest);
-    ASSERT_EQ(2U, small.regions.size());
-    EXPECT_EQ(2, small.regions[0].label);
-    EXPECT_EQ(94U, small.regions[0].end - small.regions[0].begin);
-    EXPECT_EQ(600, small.stretches[small.regions[0].begin].begin);
-    EXPECT_EQ(603, small.stretches[small.regions[0].begin].end);
-    EXPECT_EQ(4, small.regions[1].label);
-    ASSERT_EQ(1U, small.regions[1].end - small.regions[1].begin);
-    EXPECT_EQ(0, small.stretches[small.regions[1].begin].begin);
-    EXPECT_EQ(500, small.stretches[small.regions[1].begin].end);
-    EXPECT_EQ(90, small.points[3]);
-    EXPECT_EQ(500, small.points[4]);
-  }
-  small.list({}, kSmallest);
-  EXPECT_TRUE(small.regions.empty());
-}
-
 // A wall and a narrow panel before it, 5 columns wide; planes of both turned by some degrees.
 struct Scene {
   BeamGrid grid = forwardBeams(90, 100, 0.01);

@@ -115,20 +115,10 @@ inline std::int32_t highestLabel(const std::vector<LabelRun>& runs) {
   return highest;
 }
 
-/// Puts runs into the order of their labels, those of one label in scan order.
-inline void sortByLabel(std::vector<LabelRun>& runs) {
-  std::sort(runs.begin(), runs.end(),
-            [](const LabelRun& a, const LabelRun& b) { return a.label != b.label ? a.label < b.label : a.begin < b.begin; });
-}
-
-/// Calls f(label, begin, end) for the runs [begin, end) of each label. @param runs sorted by label.
-template <typename F>
-void forEachLabel(const std::vector<LabelRun>& runs, F&& f) {
-  for (std::size_t begin = 0, end = 0; begin < runs.size(); begin = end) {
-    const std::int32_t label = runs[begin].label;
-    for (end = begin; end < runs.size() && runs[end].label == label;) ++end;
-    f(label, begin, end);
-  }
+/// Counts the pixels of every label. @param labels count of labels. @param points index = label.
+inline void countPoints(const std::vector<LabelRun>& runs, std::size_t labels, std::vector<int>& points) {
+  points.assign(labels, 0);
+  for (const LabelRun& run : runs) points[run.label] += run.end - run.begin;
 }
 
 /// Replaces the labels of runs [begin, end) by names[label].
@@ -191,8 +181,7 @@ inline void renameRuns(const std::vector<std::int32_t>& names, std::vector<Label
 /// @param labels count of labels. @param points, loose set; index = label.
 inline void findLoose(const std::vector<LabelRun>& runs, std::size_t labels, int smallest, std::vector<int>& points,
                       std::vector<char>& loose) {
-  points.assign(labels, 0);
-  for (const LabelRun& run : runs) points[run.label] += run.end - run.begin;
+  countPoints(runs, labels, points);
   loose.resize(labels);
   for (std::size_t label = 0; label < labels; ++label) loose[label] = label == 0 || points[label] < smallest ? 1 : 0;
 }

@@ -4,12 +4,12 @@
 #include "patch_plane_clustering/core/beam_grid.h"
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/noise_model.h"
+#include "patch_plane_clustering/core/region_stretches.h"
 #include "patch_plane_clustering/core/run_listing.h"
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/similarity.h"
 
 #include <Eigen/Core>
-#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -17,23 +17,19 @@ namespace ppc {
 
 /// @brief Working memory of dissolveRegions(), which one image after the other may use.
 struct DissolutionMemory {
-  struct Candidate {  ///< a region that is thin, or may be a bump of noise, and its runs
-    std::int32_t label;
-    std::size_t begin, end;
-  };
   std::vector<int> points;  ///< of each label
   std::vector<int> inside;  ///< of each label that is small enough: points that touch no other one
   RunListMemory listing;
-  std::vector<int> run_inside;           ///< of each run, points that touch nothing else for sure
-  std::vector<LabelRun> candidate_runs;  ///< those of regions that may be thin, or bumps, region by region
-  std::vector<Candidate> candidates;
-  std::vector<int> pixels;           ///< with a measurement, of the region that is looked at
-  std::vector<int> touches;          ///< of each label: how often that region touches it
-  std::vector<std::int32_t> around;  ///< labels that it touches
-  std::vector<float> mean_costs;     ///< of each label's plane for its own points, -1 until it is asked for
-  std::vector<float> costs;          ///< of each pixel for its own plane and for each of those around
-  std::vector<int> place;            ///< of a pixel of the image in `pixels`
-  std::vector<std::int32_t> given;   ///< of each pixel: its new label
+  std::vector<int> run_inside;                     ///< of each run, points that touch nothing else for sure
+  RegionStretches judged;                          ///< regions that may be thin, or bumps of noise
+  std::vector<RegionStretches::Region> dissolved;  ///< those of them that are dissolved
+  std::vector<int> pixels;                         ///< with a measurement, of the region that is looked at
+  std::vector<int> touches;                        ///< of each label: how often that region touches it
+  std::vector<std::int32_t> around;                ///< labels that it touches
+  std::vector<float> mean_costs;                   ///< of each label's plane for its own points, -1 until it is asked for
+  std::vector<float> costs;                        ///< of each pixel for its own plane and for each of those around
+  std::vector<int> place;                          ///< of a pixel of the image in `pixels`
+  std::vector<std::int32_t> given;                 ///< of each pixel: its new label
 };
 
 /// @brief Dissolves regions that the planes around them explain better than their own plane does.

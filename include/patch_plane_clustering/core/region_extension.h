@@ -7,6 +7,7 @@
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/similarity.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -22,6 +23,8 @@ struct ExtensionMemory {
   std::vector<char> loose;               ///< labels, and none, that are not those of a region
   std::vector<std::vector<Step>> lists;  ///< of parts of the image
   std::vector<Step> steps;
+  std::vector<std::size_t> next;    ///< of each label: where its next step goes
+  std::vector<std::int32_t> order;  ///< labels that have steps
   std::vector<std::int32_t> tried;  ///< of each pixel: the last region that has reached it; 0 between two images
   std::vector<int> reached;         ///< pixels that any has
 };
