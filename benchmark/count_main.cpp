@@ -22,8 +22,15 @@ __attribute__((noinline)) void countedGrid(const ppc::RangeImage& image, ppc::Be
   ppc::toBeamGrid(image, columns, grid);
 }
 
-__attribute__((noinline)) void countedSegmentation(const ppc::BeamGrid& grid, ppc::Segmentation& segmentation) {
-  segmentation = ppc::segment(grid, ppc::Config());
+__attribute__((noinline)) void countedSegmentation(const ppc::BeamGrid& grid, ppc::ClusteringMemory& memory,
+                                                   ppc::Segmentation& segmentation) {
+  ppc::segment(grid, ppc::Config(), memory, segmentation);
+}
+
+// The same with memory as another frame has left it, as it is on a robot.
+__attribute__((noinline)) void countedNextSegmentation(const ppc::BeamGrid& grid, ppc::ClusteringMemory& memory,
+                                                       ppc::Segmentation& segmentation) {
+  ppc::segment(grid, ppc::Config(), memory, segmentation);
 }
 }
 
@@ -37,7 +44,9 @@ int main(int argc, char** argv) {
   ppc::BeamGrid grid;
   countedGrid(image, columns, grid);
   ppc::Segmentation segmentation;
-  countedSegmentation(grid, segmentation);
+  ppc::ClusteringMemory memory;
+  countedSegmentation(grid, memory, segmentation);
+  countedNextSegmentation(grid, memory, segmentation);
   std::printf("%d x %d, %zu patches of the floor, %zu regions, %zu polygons\n", image.rows, image.cols, planes.d.size(),
               segmentation.regions.size(), segmentation.polygons.size());
   return 0;

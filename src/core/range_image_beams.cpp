@@ -92,6 +92,7 @@ void fillDirections(const BeamColumns& columns, int begin, int end, const Change
     Lanes squared = squaredLength(u);
     const LaneMask opposite = ~(squared > fill(kNoDirection2));  // the knots: take the first one's
     if (anyLane(opposite)) {
+      // cppcheck-suppress knownConditionTrueFalse  // it tells lane by lane
       along = opposite ? Lanes{} : along;
       u = beam(along);
       squared = squaredLength(u);

@@ -73,6 +73,7 @@ struct BeamLanes {
   Lanes origin_x = {}, origin_y = {}, origin_z = {};
   LaneMask valid;  ///< has a measurement, and lies within `count`
 
+  // cppcheck-suppress uninitMemberVar
   BeamLanes() = default;  ///< to be assigned
 
   /// The four from pixel i on, all of which lie in the grid.
