@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/label_meetings.h"
 
-#include "patch_plane_clustering/core/parallel.h"
+#include "patch_plane_clustering/core/part_lists.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -39,15 +39,12 @@ void sortGroups(std::vector<MeetingGroup>& groups) {
 }  // namespace
 
 void findMeetings(const PatchGrid& cells, const CellShares& all, LabelMeetings& meetings, int threads) {
-  const int count = static_cast<int>(all.only.size()), parts = rangeCount(threads, count);
-  std::vector<std::vector<Meeting>>& rest = meetings.rest;  // the first part's go where all will be
-  if (rest.size() + 1 < static_cast<std::size_t>(parts)) rest.resize(static_cast<std::size_t>(parts - 1));
-  forEachPart(threads, parts, [&](int part) {
-    findMeetings(cells, all, partBegin(count, parts, part), partBegin(count, parts, part + 1),
-                 part == 0 ? meetings.all : rest[part - 1]);
-  });
+  const int parts =
+      listInParts(threads, static_cast<int>(all.only.size()), meetings.all, meetings.rest,
+                  [&](int, int begin, int end, std::vector<Meeting>& out) { findMeetings(cells, all, begin, end, out); });
   for (int part = 1; part < parts; ++part) {
-    meetings.all.insert(meetings.all.end(), rest[part - 1].begin(), rest[part - 1].end());
+    const std::vector<Meeting>& more = meetings.rest[part - 1];
+    meetings.all.insert(meetings.all.end(), more.begin(), more.end());
   }
 }
 

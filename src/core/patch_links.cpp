@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/patch_links.h"
 
-#include "patch_plane_clustering/core/parallel.h"
+#include "patch_plane_clustering/core/part_lists.h"
 #include "patch_plane_clustering/core/patch_order.h"
 
 #include <algorithm>
@@ -52,16 +52,14 @@ int linkBands(int begin, int end, std::vector<int>& neighbours, PatchGrid& grid)
 }  // namespace
 
 void linkPatches(int threads, PatchGridMemory& memory, PatchGrid& grid) {
-  const int bands = bandsOf(grid), parts = rangeCount(threads, bands);
+  const int bands = bandsOf(grid);
   grid.neighbour_begin.resize(grid.patches.size() + 1);
-  std::vector<std::vector<int>>& rest = memory.links;  // the first part's go where all will be
-  if (rest.size() + 1 < static_cast<std::size_t>(parts)) rest.resize(static_cast<std::size_t>(parts - 1));
   std::vector<int>& sizes = memory.link_counts;
-  sizes.resize(static_cast<std::size_t>(parts));
-  forEachPart(threads, parts, [&](int part) {
-    sizes[part] = linkBands(partBegin(bands, parts, part), partBegin(bands, parts, part + 1),
-                            part == 0 ? grid.neighbours : rest[part - 1], grid);
-  });
+  sizes.resize(static_cast<std::size_t>(rangeCount(threads, bands)));
+  const int parts = listInParts(threads, bands, grid.neighbours, memory.links,
+                                [&](int part, int begin, int end, std::vector<int>& neighbours) {
+                                  sizes[part] = linkBands(begin, end, neighbours, grid);
+                                });
   int links = 0;
   for (int& size : sizes) links += std::exchange(size, links);  // from now on where they begin
   if (grid.neighbours.size() < static_cast<std::size_t>(links)) grid.neighbours.resize(static_cast<std::size_t>(links));
@@ -71,7 +69,7 @@ void linkPatches(int threads, PatchGridMemory& memory, PatchGrid& grid) {
       const int p = grid.patch_of_block[grid.strip_begin[strip] + block];
       if (p >= 0) grid.neighbour_begin[p] += first;
     });
-    std::copy_n(rest[k].begin(), end - first, grid.neighbours.begin() + first);
+    std::copy_n(memory.links[k].begin(), end - first, grid.neighbours.begin() + first);
   });
   grid.neighbour_begin.back() = links;
 }

@@ -3,7 +3,7 @@
 
 #include "patch_plane_clustering/core/beam_planes.h"
 #include "patch_plane_clustering/core/loose_pixels.h"
-#include "patch_plane_clustering/core/parallel.h"
+#include "patch_plane_clustering/core/part_lists.h"
 
 #include <algorithm>
 #include <cmath>
@@ -47,28 +47,23 @@ class RegionExtender {
 
   // The steps of all regions, those of large ones first, each one's in scan order.
   void listSteps(int threads) {
-    const int count = static_cast<int>(runs_.size()) + 1, parts = rangeCount(threads, count);
-    std::vector<std::vector<ExtensionMemory::Step>>& lists = memory_.lists;
-    if (lists.size() < static_cast<std::size_t>(parts)) lists.resize(static_cast<std::size_t>(parts));
-    forEachPart(threads, parts, [&](int part) {
-      lists[part].clear();
-      forEachLoose(grid_, runs_, memory_.loose, partBegin(count, parts, part), partBegin(count, parts, part + 1),
-                   [&](int i) { listFrom(i, lists[part]); });
-    });
+    std::vector<ExtensionMemory::Step>& found = memory_.found;
+    const int parts = listInParts(threads, static_cast<int>(runs_.size()) + 1, found, memory_.rest,
+                                  [&](int, int begin, int end, std::vector<ExtensionMemory::Step>& out) {
+                                    out.clear();
+                                    forEachLoose(grid_, runs_, memory_.loose, begin, end, [&](int i) { listFrom(i, out); });
+                                  });
+    for (int part = 1; part < parts; ++part) {
+      found.insert(found.end(), memory_.rest[part - 1].begin(), memory_.rest[part - 1].end());
+    }
     std::vector<std::size_t>& next = memory_.next;
     next.assign(memory_.points.size(), 0);
-    std::size_t count_of_all = 0;
-    for (int part = 0; part < parts; ++part) {
-      count_of_all += lists[part].size();
-      for (const ExtensionMemory::Step& step : lists[part]) ++next[step.label];
-    }
+    for (const ExtensionMemory::Step& step : found) ++next[step.label];
     orderLabels();
     std::size_t end = 0;
     for (const std::int32_t label : memory_.order) end += std::exchange(next[label], end);
-    memory_.steps.resize(count_of_all);
-    for (int part = 0; part < parts; ++part) {
-      for (const ExtensionMemory::Step& step : lists[part]) memory_.steps[next[step.label]++] = step;
-    }
+    memory_.steps.resize(found.size());
+    for (const ExtensionMemory::Step& step : found) memory_.steps[next[step.label]++] = step;
   }
 
   // Labels that have steps, those of large regions first.

@@ -19,14 +19,15 @@ struct ExtensionMemory {
     std::int32_t label;
     int pixel;
   };
-  std::vector<int> points;               ///< of each label
-  std::vector<char> loose;               ///< labels, and none, that are not those of a region
-  std::vector<std::vector<Step>> lists;  ///< of parts of the image
-  std::vector<Step> steps;
-  std::vector<std::size_t> next;    ///< of each label: where its next step goes
-  std::vector<std::int32_t> order;  ///< labels that have steps
-  std::vector<std::int32_t> tried;  ///< of each pixel: the last region that has reached it; 0 between two images
-  std::vector<int> reached;         ///< pixels that any has
+  std::vector<int> points;              ///< of each label
+  std::vector<char> loose;              ///< labels, and none, that are not those of a region
+  std::vector<Step> found;              ///< in scan order
+  std::vector<std::vector<Step>> rest;  ///< the same of each part of the image but the first one
+  std::vector<Step> steps;              ///< region by region
+  std::vector<std::size_t> next;        ///< of each label: where its next step goes
+  std::vector<std::int32_t> order;      ///< labels that have steps
+  std::vector<std::int32_t> tried;      ///< of each pixel: the last region that has reached it; 0 between two images
+  std::vector<int> reached;             ///< pixels that any has
 };
 
 /// @brief Lets regions go on along their planes into points that have none.

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "patch_plane_clustering/core/label_runs.h"
-#include "patch_plane_clustering/core/parallel.h"
+#include "patch_plane_clustering/core/part_lists.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -21,15 +21,11 @@ struct RunListMemory {
 /// @param runs overwritten; in the order of the parts, those that go on over a seam joined (appendRuns()).
 template <typename F>
 void gatherRuns(int threads, int count, RunListMemory& memory, std::vector<LabelRun>& runs, F&& list) {
-  const int parts = rangeCount(threads, count);
-  std::vector<std::vector<LabelRun>>& rest = memory.rest;  // the first part's go where all will be
-  if (rest.size() + 1 < static_cast<std::size_t>(parts)) rest.resize(static_cast<std::size_t>(parts - 1));
-  forEachPart(threads, parts, [&](int part) {
-    std::vector<LabelRun>& out = part == 0 ? runs : rest[part - 1];
+  const int parts = listInParts(threads, count, runs, memory.rest, [&](int part, int begin, int end, auto& out) {
     out.clear();
-    list(part, partBegin(count, parts, part), partBegin(count, parts, part + 1), out);
+    list(part, begin, end, out);
   });
-  for (int part = 1; part < parts; ++part) appendRuns(rest[part - 1], runs);
+  for (int part = 1; part < parts; ++part) appendRuns(memory.rest[part - 1], runs);
 }
 
 /// listRuns() on several threads.
