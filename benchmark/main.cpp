@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
   ppc::bench::addMessages();
   ppc::bench::addBaselines();
   ppc::bench::addSizes(largest);
+  ppc::bench::addThreads();
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   ppc::bench::TableReporter reporter;

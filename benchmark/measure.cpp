@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "measure.h"
 
+#include "affinity.h"
 #include "allocations.h"
 #include "patch_plane_clustering/core/quantile.h"
 
@@ -11,13 +12,18 @@
 namespace ppc::bench {
 namespace {
 
-double processorSeconds() {
+double seconds(Clock clock) {
   timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  clock_gettime(clock == Clock::kProcessor ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-void run(benchmark::State& state, int points, const std::function<Frame()>& prepare) {
+void run(benchmark::State& state, int points, Clock clock, const std::function<Frame()>& prepare) {
+  if (clock == Clock::kProcessor) {
+    pinToOneProcessor();
+  } else {
+    unpin();
+  }
   const Frame frame = prepare();
   std::vector<StageTime> stages;
   frame(stages);
@@ -28,11 +34,11 @@ void run(benchmark::State& state, int points, const std::function<Frame()>& prep
   std::vector<std::pair<std::string, std::vector<double>>> stage_times;
   for ([[maybe_unused]] auto _ : state) {
     stages.clear();
-    const double start = processorSeconds();
+    const double start = seconds(clock);
     frame(stages);
-    const double seconds = processorSeconds() - start;
-    state.SetIterationTime(seconds);
-    times.push_back(1e3 * seconds);
+    const double taken = seconds(clock) - start;
+    state.SetIterationTime(taken);
+    times.push_back(1e3 * taken);
     for (std::size_t i = 0; i < stages.size(); ++i) {
       if (i == stage_times.size()) stage_times.emplace_back(stages[i].first, std::vector<double>());
       stage_times[i].second.push_back(stages[i].second);
@@ -55,8 +61,9 @@ void run(benchmark::State& state, int points, const std::function<Frame()>& prep
 }  // namespace
 
 void addBenchmark(const std::string& name, int points, const Effort& effort, std::function<Frame()> prepare) {
-  auto* const added = benchmark::RegisterBenchmark(
-      name.c_str(), [points, prepare = std::move(prepare)](benchmark::State& state) { run(state, points, prepare); });
+  auto* const added =
+      benchmark::RegisterBenchmark(name.c_str(), [points, clock = effort.clock, prepare = std::move(prepare)](
+                                                     benchmark::State& state) { run(state, points, clock, prepare); });
   added->UseManualTime()->Unit(benchmark::kMillisecond);
   if (effort.frames > 0) {
     added->Iterations(effort.frames);

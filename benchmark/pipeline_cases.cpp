@@ -30,9 +30,9 @@ const BeamGrid& timedGrid(const Make& make, const Memory& memory, std::vector<St
   return memory.grid;
 }
 
-void segmentTimed(const BeamGrid& grid, Memory& memory, std::vector<StageTime>& stages) {
+void segmentTimed(const BeamGrid& grid, Memory& memory, std::vector<StageTime>& stages, const Config& config = Config()) {
   Segmentation& segmentation = memory.segmentation;
-  segment(grid, Config(), memory.clustering, segmentation);
+  segment(grid, config, memory.clustering, segmentation);
   stages.insert(stages.end(), segmentation.stages.begin(), segmentation.stages.end());
   benchmark::DoNotOptimize(segmentation.polygons.data());
 }
@@ -52,6 +52,16 @@ Frame polygonsFrame(int points) {
   return [&image, memory = std::make_shared<Memory>()](std::vector<StageTime>& stages) {
     const BeamGrid& grid = timedGrid([&] { toBeamGrid(image, memory->columns, memory->grid); }, *memory, stages);
     segmentTimed(grid, *memory, stages);
+  };
+}
+
+Frame threadsFrame(int threads) {
+  const RangeImage& image = officeImage(kStandardPoints);
+  Config config;
+  config.threads = threads;
+  return [&image, config, memory = std::make_shared<Memory>()](std::vector<StageTime>& stages) {
+    const auto make = [&] { toBeamGrid(image, memory->columns, memory->grid, config.threads); };
+    segmentTimed(timedGrid(make, *memory, stages), *memory, stages, config);
   };
 }
 
@@ -78,6 +88,13 @@ void addSizes(int largest) {
     const std::string group = "size/" + std::to_string(points) + "/";
     addBenchmark(group + "floor", points, {0.3}, [points] { return floorFrame(points, true); });
     addBenchmark(group + "ranges to polygons", points, {1.0}, [points] { return polygonsFrame(points); });
+  }
+}
+
+void addThreads() {
+  for (const int threads : {1, 2, 4}) {
+    addBenchmark("threads/" + std::to_string(threads), kStandardPoints, {2.0, 0, Clock::kWall},
+                 [threads] { return threadsFrame(threads); });
   }
 }
 

@@ -108,6 +108,21 @@ void TableReporter::printSizes() const {
   }
 }
 
+void TableReporter::printThreads() const {
+  const std::vector<Result> results = group("threads/");
+  if (results.empty()) return;
+  std::printf("\n| threads | median ms | fastest ms | times as fast (medians) | (fastest) |\n");
+  std::printf("| ---: | ---: | ---: | ---: | ---: |\n");
+  const bool has_one = results.front().name == "1";
+  const auto timesAsFast = [&](const Result& r, const char* counter) {
+    return has_one ? format("%.2f", results.front().counters.at(counter) / r.counters.at(counter)) : std::string("-");
+  };
+  for (const Result& r : results) {
+    std::printf("| %s | %.3f | %.3f | %s | %s |\n", r.name.c_str(), r.counters.at("median_ms"), r.counters.at("fastest_ms"),
+                timesAsFast(r, "median_ms").c_str(), timesAsFast(r, "fastest_ms").c_str());
+  }
+}
+
 void TableReporter::Finalize() {
   printTimes("floor", "floor/", "");
   printTimes("the whole", "ppc/", "");
@@ -115,6 +130,7 @@ void TableReporter::Finalize() {
   printTimes("messages", "message/", "");
   printTimes("labels by", "baseline/", "baseline/ppc");
   printSizes();
+  printThreads();
 }
 
 }  // namespace ppc::bench

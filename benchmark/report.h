@@ -26,6 +26,7 @@ class TableReporter : public benchmark::BenchmarkReporter {
   void printTimes(const std::string& title, const std::string& prefix, const std::string& rival) const;
   void printStages() const;
   void printSizes() const;
+  void printThreads() const;
 
   std::vector<Result> results_;
 };
