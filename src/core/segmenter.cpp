@@ -220,7 +220,7 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
   std::vector<Eigen::Vector3d>& piece_planes = memory.piece_planes;
   piece_planes.clear();
   for (const std::int32_t label : settle ? memory.settled : pieces.whole) piece_planes.push_back(planes[label]);
-  if (config.noise_aware) {
+  if (config.refit_regions && config.noise_aware) {
     refitSmallPlanes(grid, patches.center, noise, tolerance, smallest, runs, memory.small_planes, piece_planes,
                      config.threads);
     timer.lap("small planes");
