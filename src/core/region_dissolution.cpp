@@ -44,8 +44,8 @@ class Dissolver {
     listJudged(correlated);
     memory_.touches.assign(planes_.size(), 0);
     memory_.mean_costs.assign(planes_.size(), -1.0F);
-    std::vector<Region>& dissolved =
-        memory_.dissolved;  // explained by all that is around; but what is none itself is given nothing
+    // Explained by all that is around; but what is none itself is given nothing.
+    std::vector<Region>& dissolved = memory_.dissolved;
     dissolved.clear();
     for (const Region& region : memory_.judged.regions) {
       const bool thin = isThin(region.label);

@@ -48,7 +48,7 @@ struct NearFit {
 inline double mostChiSquare(double n) { return n + 4.0 * std::sqrt(2.0 * n); }
 
 /// @brief Fits a plane to the measurements of stretches of pixels, along their beams. If not all are explained by noise,
-/// outliers are left out, twice.
+/// outliers are left out, twice. Deterministic; thread-safe.
 /// @param stretches of one region. @param center origin of planes, about which beams begin [m].
 /// @param points overwritten: all measurements.
 NearFit fitNear(const BeamGrid& grid, const Eigen::Vector3d& center, const NoiseModel& noise,

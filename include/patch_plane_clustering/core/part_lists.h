@@ -4,7 +4,6 @@
 #include "patch_plane_clustering/core/parallel.h"
 
 #include <cstddef>
-#include <utility>
 #include <vector>
 
 namespace ppc {

@@ -42,9 +42,8 @@ struct TrimmingMemory {
 /// allowed explains its errors, which may be bows of a wall or a sensor's own (the tolerance of angles too, across the
 /// surface, as similarity() has it), and from such regions no more than three pixels are taken in depth; if not, it has no
 /// label any more: a few leaves of a plant, a corner of three faces.
-/// For errors that are not correlated (CoplanarityTolerance::isWhite()): others exceed chi-square on planes, too. Larger
-/// regions are left as they are. Deterministic; thread-safe with memory of
-/// one's own.
+/// For errors that are not correlated (CoplanarityTolerance::isWhite()): others exceed chi-square on planes, too. Regions
+/// of more than SmallRegions::kMostPoints are left as they are. Deterministic; thread-safe with memory of one's own.
 /// @param center origin of planes, about which beams begin [m]. @param smallest points of a region that is judged, with a
 /// measurement.
 /// @param labels of valid and invalid pixels; those that are taken off become 0.

@@ -18,7 +18,8 @@ struct SmallPlaneMemory {
 ///
 /// Planes come from the merge of clusters, and borders are drawn afterwards: a face four pixels wide of which one column
 /// went to its neighbour, or came from it, was a few degrees off, and so were the extension of the region and the crease
-/// beside it, both of which follow the plane.
+/// beside it, both of which follow the plane. Deterministic, whatever the number of threads; thread-safe with memory of
+/// one's own.
 /// @param runs of the labels. @param planes a (see moments.h, about `center`) of every label; those of regions of `smallest`
 /// to SmallRegions::kMostPoints pixels are set anew, if they have a plane.
 void refitSmallPlanes(const BeamGrid& grid, const Eigen::Vector3d& center, const NoiseModel& noise,
