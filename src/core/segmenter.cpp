@@ -221,8 +221,10 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
   piece_planes.clear();
   for (const std::int32_t label : settle ? memory.settled : pieces.whole) piece_planes.push_back(planes[label]);
   if (config.refit_regions && config.noise_aware) {
-    refitSmallPlanes(grid, patches.center, noise, tolerance, smallest, runs, memory.small_planes, piece_planes,
-                     config.threads);
+    if (refitSmallPlanes(grid, patches.center, noise, tolerance, smallest, runs, memory.small_planes, piece_planes, labels,
+                         config.threads)) {
+      listRuns(labels, borders.listing, runs, config.threads);
+    }
     timer.lap("small planes");
   }
   if (config.dissolve_regions && config.noise_aware) {

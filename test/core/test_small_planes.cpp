@@ -37,10 +37,14 @@ struct Scene {
     }
     addNoise(grid, 0.01);
   }
+  bool found_strays = false;
+  LabelImage left;  // labels after it
+
   std::vector<Eigen::Vector3d> refit(int threads = 1) {
     std::vector<Eigen::Vector3d> result = planes;
-    refitSmallPlanes(grid, Eigen::Vector3d::Zero(), kNoise, kTolerance, kSmallest, labelRuns(labels), memory, result,
-                     threads);
+    left = labels;
+    found_strays = refitSmallPlanes(grid, Eigen::Vector3d::Zero(), kNoise, kTolerance, kSmallest, labelRuns(labels), memory,
+                                    result, left, threads);
     return result;
   }
 };
@@ -68,6 +72,21 @@ TEST(RefitSmallPlanes, LeavesWhatHasNoPlane) {
     if (scene.labels.labels[i] == 2) scene.grid.range[i] += (i + i / 100) % 2 == 0 ? 0.5F : -0.5F;
   }
   EXPECT_EQ(scene.planes[2], scene.refit()[2]);
+}
+
+TEST(RefitSmallPlanes, TakesStraysOff) {
+  Scene scene;
+  scene.refit();
+  EXPECT_FALSE(scene.found_strays);
+  EXPECT_EQ(scene.left.labels, scene.labels.labels);
+  const int strays[] = {scene.grid.index(20, 41), scene.grid.index(20, 42), scene.grid.index(21, 41)};
+  for (const int i : strays) scene.grid.range[i] += 0.3F;
+  scene.grid.range[scene.grid.index(50, 10)] -= 0.5F;  // of the wall, which is large
+  scene.refit();
+  EXPECT_TRUE(scene.found_strays);
+  LabelImage expected = scene.labels;
+  for (const int i : strays) expected.labels[i] = 0;
+  EXPECT_EQ(scene.left.labels, expected.labels);
 }
 
 TEST(RefitSmallPlanes, DoesNotDependOnThreadsOrMemory) {

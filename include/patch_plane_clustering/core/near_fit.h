@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace ppc {
@@ -22,10 +23,10 @@ struct RegionPoint {
   /// Error at which a point is an outlier, squared, in variances.
   static constexpr double kFarthest2 = 16.0;
 
-  /// Of its range against that of plane `a` (see moments.h), squared, in variances; kFarthest2 if its beam misses the plane.
+  /// Of its range against that of plane `a` (see moments.h), squared, in variances; infinite if its beam misses the plane.
   double squaredError(const Eigen::Vector3d& a) const {
     const double along = a.dot(at), missed = 1.0 - along;
-    return along > 0.0 ? weight * missed * missed / (along * along) : kFarthest2;
+    return along > 0.0 ? weight * missed * missed / (along * along) : std::numeric_limits<double>::infinity();
   }
 };
 
