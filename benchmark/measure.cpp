@@ -7,6 +7,7 @@
 
 #include <time.h>
 #include <algorithm>
+#include <cstdio>
 #include <utility>
 
 namespace ppc::bench {
@@ -20,7 +21,7 @@ double seconds(Clock clock) {
 
 void run(benchmark::State& state, int points, Clock clock, const std::function<Frame()>& prepare) {
   if (clock == Clock::kProcessor) {
-    pinToOneProcessor();
+    if (pinToOneProcessor() < 0) std::fprintf(stderr, "not pinned to one processor\n");
   } else {
     unpin();
   }

@@ -37,6 +37,7 @@ NearFit fitNear(const BeamGrid& grid, const Eigen::Vector3d& center, const Noise
       if (k > 0 && !(point.squaredError(fit.a) < RegionPoint::kFarthest2)) continue;
       sum.add(point.at.x(), point.at.y(), point.at.z(), point.weight);
     }
+    fit.points = sum.n;
     if (sum.n < kFewestPoints) {
       fit.of = k == 0 ? NearFit::Of::kFew : NearFit::Of::kNone;
       return fit;
@@ -44,8 +45,8 @@ NearFit fitNear(const BeamGrid& grid, const Eigen::Vector3d& center, const Noise
     const PlaneFit plane = fitPlane(sum);
     fit.a = plane.a;
     fit.of = k == 0 ? NearFit::Of::kAll : NearFit::Of::kNear;
-    if (k == 0 && plane.chi2 <= mostChiSquare(sum.n)) return fit;
     fit.radius = sum.radius();
+    if (k == 0 && plane.chi2 <= mostChiSquare(sum.n)) return fit;
   }
   return fit;
 }

@@ -133,14 +133,7 @@ class Trimmer {
 
   // Whether chi-square is what noise makes it with all that planes are allowed, turned by the angle and seen at a slant.
   bool isTolerated(const std::vector<RegionPoint>& points, const NearFit& fit) const {
-    const CoplanarityTolerance tolerance = tolerance_.forNoise(fit.noise);
-    const double known2 = tolerance.sigma_distance * tolerance.sigma_distance;  // of which the weights know
-    const double turned = tolerance.sigma_angle * fit.radius;
-    return isExplained(points, fit.a, [&](const RegionPoint& point) {
-      const double range2 = point.at.squaredNorm();
-      const double tau2 = (known2 + turned * turned) * secantSquared(fit.a, std::sqrt(range2));
-      return 1.0 + (tau2 - known2) * point.weight / range2;
-    });
+    return isExplained(points, fit.a, ToleratedScale(fit, tolerance_));
   }
 
   Plane planeOf(const Eigen::Vector3d& a) const {

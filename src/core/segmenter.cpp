@@ -219,10 +219,11 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
   std::vector<LabelRun>& runs = borders.settled;  // of the labels, until creases are aligned
   std::vector<Eigen::Vector3d>& piece_planes = memory.piece_planes;
   piece_planes.clear();
-  for (const std::int32_t label : settle ? memory.settled : pieces.whole) piece_planes.push_back(planes[label]);
+  const std::vector<std::int32_t>& whole = settle ? memory.settled : pieces.whole;
+  for (const std::int32_t label : whole) piece_planes.push_back(planes[label]);
   if (config.refit_regions && config.noise_aware) {
-    if (refitSmallPlanes(grid, patches.center, noise, tolerance, smallest, runs, memory.small_planes, piece_planes, labels,
-                         config.threads)) {
+    if (refitSmallPlanes(grid, patches.center, noise, tolerance, smallest, runs, whole, memory.small_planes, piece_planes,
+                         labels, config.threads)) {
       listRuns(labels, borders.listing, runs, config.threads);
     }
     timer.lap("small planes");

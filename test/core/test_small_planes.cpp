@@ -37,14 +37,15 @@ struct Scene {
     }
     addNoise(grid, 0.01);
   }
+  std::vector<std::int32_t> whole{0, 1, 2, 3, 4};
   bool found_strays = false;
   LabelImage left;  // labels after it
 
   std::vector<Eigen::Vector3d> refit(int threads = 1) {
     std::vector<Eigen::Vector3d> result = planes;
     left = labels;
-    found_strays = refitSmallPlanes(grid, Eigen::Vector3d::Zero(), kNoise, kTolerance, kSmallest, labelRuns(labels), memory,
-                                    result, left, threads);
+    found_strays = refitSmallPlanes(grid, Eigen::Vector3d::Zero(), kNoise, kTolerance, kSmallest, labelRuns(labels), whole,
+                                    memory, result, left, threads);
     return result;
   }
 };
@@ -89,10 +90,48 @@ TEST(RefitSmallPlanes, TakesStraysOff) {
   EXPECT_EQ(scene.left.labels, expected.labels);
 }
 
+TEST(RefitSmallPlanes, LeavesRegionsOfWhichMuchStrays) {
+  Scene scene;
+  for (int r = 0; r < 90; r += 3) scene.grid.range[scene.grid.index(r, 42)] += 0.5F;  // 30 of 450
+  scene.refit();
+  EXPECT_FALSE(scene.found_strays);
+  EXPECT_EQ(scene.left.labels, scene.labels.labels);
+}
+
+TEST(RefitSmallPlanes, WantsHalfOfThePointsNear) {
+  Scene scene;
+  for (int r = 0; r < 90; ++r) {
+    for (int c = 40; c < 45; ++c)
+      scene.grid.range[scene.grid.index(r, c)] += 0.02F * static_cast<float>((7 * r + 13 * c) % 50);
+  }
+  EXPECT_EQ(scene.planes[2], scene.refit()[2]);
+  EXPECT_FALSE(scene.found_strays);
+}
+
+TEST(RefitSmallPlanes, LeavesToPiecesThePlaneOfTheirLabel) {
+  Scene scene;
+  scene.whole = {0, 1, 1, 3, 4};  // the panel is a piece of the wall's label
+  EXPECT_EQ(scene.planes, scene.refit());
+  scene.whole = {0, 1, 2, 3, 4};
+  EXPECT_NE(scene.planes, scene.refit());
+}
+
 TEST(RefitSmallPlanes, DoesNotDependOnThreadsOrMemory) {
   Scene scene;
+  for (int r = 0; r < 90; ++r) {  // three more regions, of the wall
+    for (int c = 0; c < 30; ++c) scene.labels.labels[scene.grid.index(r, c)] = 3 + c / 10;
+  }
+  scene.planes.resize(6, Eigen::Vector3d(1.0, 2.0, 3.0));
+  scene.whole.push_back(5);
+  for (const int c : {5, 15, 25, 42}) scene.grid.range[scene.grid.index(40, c)] += 0.5F;
   const std::vector<Eigen::Vector3d> result = scene.refit();
-  for (const int threads : {1, 2, 4}) EXPECT_EQ(result, scene.refit(threads));
+  const LabelImage left = scene.left;
+  EXPECT_TRUE(scene.found_strays);
+  for (const int c : {5, 15, 25, 42}) EXPECT_EQ(left.labels[scene.grid.index(40, c)], 0);
+  for (const int threads : {1, 2, 4}) {
+    EXPECT_EQ(result, scene.refit(threads));
+    EXPECT_EQ(left.labels, scene.left.labels);
+  }
 }
 
 }  // namespace

@@ -36,11 +36,12 @@ struct NearFit {
     kFew,   ///< there are fewer than four points: no plane
     kAll,   ///< it is that of all points, whose chi-square is what noise makes it
     kNear,  ///< it is that of the points that are not outliers
-    kNone   ///< no plane: few of many points are near that of all
+    kNone   ///< no plane: of many points, fewer than four are near one
   };
   Of of = Of::kFew;
   Eigen::Vector3d a = Eigen::Vector3d::Zero();  ///< see moments.h
-  double radius = 0.0;                          ///< of the points of kNear [m]
+  double radius = 0.0;                          ///< of the points fitted [m]
+  int points = 0;                               ///< how many were fitted
   double sigma = 0.0;                           ///< root of the mean variance of a point [m]
   double noise = 0.0;                           ///< the same of noise alone [m]
 };
@@ -55,6 +56,26 @@ inline double mostChiSquare(double n) { return n + 4.0 * std::sqrt(2.0 * n); }
 NearFit fitNear(const BeamGrid& grid, const Eigen::Vector3d& center, const NoiseModel& noise,
                 const CoplanarityTolerance& tolerance, const PixelStretch* begin, const PixelStretch* end,
                 std::vector<RegionPoint>& points);
+
+/// @brief Variances of points with all that planes are allowed, turned by the angle and seen at a slant, over what their
+/// weights tell.
+class ToleratedScale {
+ public:
+  ToleratedScale(const NearFit& fit, const CoplanarityTolerance& tolerance) : a_(fit.a) {
+    const CoplanarityTolerance of_noise = tolerance.forNoise(fit.noise);
+    const double turned = of_noise.sigma_angle * fit.radius;
+    known2_ = of_noise.sigma_distance * of_noise.sigma_distance;
+    allowed2_ = known2_ + turned * turned;
+  }
+  double operator()(const RegionPoint& point) const {
+    const double range2 = point.at.squaredNorm();
+    return 1.0 + (allowed2_ * secantSquared(a_, std::sqrt(range2)) - known2_) * point.weight / range2;
+  }
+
+ private:
+  Eigen::Vector3d a_;
+  double known2_, allowed2_;
+};
 
 /// @brief Whether chi-square, with errors capped at outliers, is what noise makes it.
 /// @param scaleOf what a point's variance is over what its weight tells.
