@@ -11,9 +11,8 @@
 namespace ppc {
 namespace {
 
-// Where labels meet in and from cells [begin, end), cell by cell.
+// Appends where labels meet in and from cells [begin, end), cell by cell.
 void findMeetings(const PatchGrid& cells, const CellShares& all, int begin, int end, std::vector<Meeting>& meetings) {
-  meetings.clear();
   for (int i = begin; i < end; ++i) {
     if (!isBorderCell(cells, all.only, i)) continue;
     for (int s = all.begin[i]; s < all.begin[i + 1]; ++s) {
@@ -39,13 +38,8 @@ void sortGroups(std::vector<MeetingGroup>& groups) {
 }  // namespace
 
 void findMeetings(const PatchGrid& cells, const CellShares& all, LabelMeetings& meetings, int threads) {
-  const int parts =
-      listInParts(threads, static_cast<int>(all.only.size()), meetings.all, meetings.rest,
-                  [&](int, int begin, int end, std::vector<Meeting>& out) { findMeetings(cells, all, begin, end, out); });
-  for (int part = 1; part < parts; ++part) {
-    const std::vector<Meeting>& more = meetings.rest[part - 1];
-    meetings.all.insert(meetings.all.end(), more.begin(), more.end());
-  }
+  gatherInParts(threads, static_cast<int>(all.only.size()), meetings.all, meetings.rest,
+                [&](int, int begin, int end, std::vector<Meeting>& out) { findMeetings(cells, all, begin, end, out); });
 }
 
 void groupMeetings(LabelMeetings& found) {

@@ -48,14 +48,10 @@ class RegionExtender {
   // The steps of all regions, those of large ones first, each one's in scan order.
   void listSteps(int threads) {
     std::vector<ExtensionMemory::Step>& found = memory_.found;
-    const int parts = listInParts(threads, static_cast<int>(runs_.size()) + 1, found, memory_.rest,
-                                  [&](int, int begin, int end, std::vector<ExtensionMemory::Step>& out) {
-                                    out.clear();
-                                    forEachLoose(grid_, runs_, memory_.loose, begin, end, [&](int i) { listFrom(i, out); });
-                                  });
-    for (int part = 1; part < parts; ++part) {
-      found.insert(found.end(), memory_.rest[part - 1].begin(), memory_.rest[part - 1].end());
-    }
+    gatherInParts(threads, static_cast<int>(runs_.size()) + 1, found, memory_.rest,
+                  [&](int, int begin, int end, std::vector<ExtensionMemory::Step>& out) {
+                    forEachLoose(grid_, runs_, memory_.loose, begin, end, [&](int i) { listFrom(i, out); });
+                  });
     std::vector<std::size_t>& next = memory_.next;
     next.assign(memory_.points.size(), 0);
     for (const ExtensionMemory::Step& step : found) ++next[step.label];

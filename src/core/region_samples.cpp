@@ -125,8 +125,7 @@ void placeSamples(SampleMemory& memory) {
 
 void chooseSamples(const BeamGrid& grid, const std::vector<LabelRun>& runs, SampleMemory& memory) {
   std::vector<int>&count = memory.count, &begin = memory.begin, &end = memory.end, &next = memory.next;
-  count.assign(static_cast<std::size_t>(highestLabel(runs)) + 1, 0);
-  for (const LabelRun& run : runs) count[run.label] += run.end - run.begin;
+  countPoints(runs, static_cast<std::size_t>(highestLabel(runs)) + 1, count);
   std::vector<RegionSamples>& regions = memory.regions;
   regions.assign(count.size(), RegionSamples());
   begin.assign(count.size() + 1, 0);

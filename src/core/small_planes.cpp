@@ -39,12 +39,8 @@ bool refitSmallPlanes(const BeamGrid& grid, const Eigen::Vector3d& center, const
   SmallRegions& small = memory.small;
   small.list(runs, smallest);
   std::vector<int>& of_whole = memory.of_whole;
-  of_whole.assign(planes.size(), 0);
-  for (std::size_t piece = 0; piece < small.points.size(); ++piece) {
-    const auto label = static_cast<std::size_t>(whole[piece]);
-    if (label >= of_whole.size()) of_whole.resize(label + 1, 0);
-    of_whole[label] += small.points[piece];
-  }
+  of_whole.assign(static_cast<std::size_t>(*std::max_element(whole.begin(), whole.end())) + 1, 0);
+  for (std::size_t piece = 0; piece < small.points.size(); ++piece) of_whole[whole[piece]] += small.points[piece];
   const PixelStretch* const stretches = small.stretches.data();
   const std::size_t count = small.regions.size();
   memory.strays.assign(count, 0);

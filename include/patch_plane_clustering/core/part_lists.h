@@ -22,4 +22,15 @@ int listInParts(int threads, int count, std::vector<T>& first, std::vector<std::
   return parts;
 }
 
+/// @brief The same into one list: `all` is overwritten with what the parts list, one after the other. @param list as above,
+/// but `out` is empty when it is called.
+template <typename T, typename F>
+void gatherInParts(int threads, int count, std::vector<T>& all, std::vector<std::vector<T>>& rest, F&& list) {
+  const int parts = listInParts(threads, count, all, rest, [&](int part, int begin, int end, std::vector<T>& out) {
+    out.clear();
+    list(part, begin, end, out);
+  });
+  for (int part = 1; part < parts; ++part) all.insert(all.end(), rest[part - 1].begin(), rest[part - 1].end());
+}
+
 }  // namespace ppc
