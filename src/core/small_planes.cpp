@@ -48,7 +48,8 @@ bool refitSmallPlanes(const BeamGrid& grid, const Eigen::Vector3d& center, const
     const SmallRegions::Region& region = small.regions[k];
     if (small.points[region.label] < kLeastOfLabel * of_whole[whole[region.label]]) return;
     const NearFit fit = fitNear(grid, center, noise, tolerance, stretches + region.begin, stretches + region.end, points);
-    if (fit.of == NearFit::Of::kFew || fit.points < kLeastNear * static_cast<double>(points.size())) return;
+    if (fit.of == NearFit::Of::kFew || fit.of == NearFit::Of::kNone) return;
+    if (fit.points < kLeastNear * static_cast<double>(points.size())) return;
     planes[region.label] = fit.a;
     memory.strays[k] = clearStrays(points, fit, tolerance, labels) ? 1 : 0;
   });
