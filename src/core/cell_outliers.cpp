@@ -28,9 +28,10 @@ void CellOutliers::prefetch(const Patch& cell) const {
 bool CellOutliers::mayHaveAny(const Patch& cell, std::int32_t label, int middle) const {
   constexpr double kMargin = 0.9;  // for rounding, and starts of beams that differ within the cell
   const Moments& m = cell.moments;
-  const double range = cell.range, patch_sigma = noise_.sigma(range), weighed = patch_sigma * patch_sigma;
+  const double range = cell.range, patch_sigma = noise_.sigma(range) * cell.noise_factor,
+               weighed = patch_sigma * patch_sigma;
   const double spread = m.w * weighed - m.n * range * range;  // sum of squared differences from the mean range
-  const double sigma = noise_.sigma(grid_.range[middle]), distance = tolerance_.forNoise(sigma).sigma_distance;
+  const double sigma = noise_.sigmaAt(middle, grid_.range[middle]), distance = tolerance_.forNoise(sigma).sigma_distance;
   const double limit2 = kMaxResidual * (sigma * sigma + distance * distance), range2 = range * range;
   if (!(spread < 0.25 * range2) || !(limit2 < 0.0625 * range2)) return true;
   double ahead = 1.0;

@@ -87,7 +87,7 @@ void shareCell(const BeamGrid& grid, const Patch& cell, const Eigen::Vector3d& c
     if (!sumPixels(grid, {cell.row_begin, cell.row_end, cell.col_begin, cell.col_end}, chosen, sums)) continue;
     const int n = countLanes(sums.counted);
     const BlockMoments<double> block = momentsOf(sums, center);
-    const double sigma = noise.sigma(block.ranges / n);
+    const double sigma = noise.sigma(block.ranges / n) * cell.noise_factor;
     addShare(label, first_part + static_cast<int>(out.moments.size()), out);
     out.moments.push_back(momentsOf(block, n));
     out.moments.back().scale(1.0 / (sigma * sigma));

@@ -40,30 +40,30 @@ double plainSimilarity(const Patch& from, const PlaneFit& cluster, const Patch& 
     return fixedSimilarity(comparison.running_plane ? cluster.a : from.fit.a, patch.fit.a, border, tolerance);
   }
   const PlaneFit joint = fitPlane(from.moments + patch.moments);
-  const double sigma = noise.sigma(patch.range);
+  const double sigma = noise.sigma(patch.range) * patch.noise_factor;
   const double precision = std::min(patch.moments.n, from.moments.n) / (sigma * sigma);
   return similarity(joint.chi2 - from.fit.chi2 - patch.fit.chi2, precision, patch.moments.radius(),
                     secantSquared(joint.a, patch.range), tolerance.forNoise(sigma));
 }
 
 // Residuals as small as the noise and the tolerance allow.
-bool isFlat(const Moments& m, const PlaneFit& fit, double range, const NoiseModel& noise,
-            const CoplanarityTolerance& tolerance) {
-  const double sigma = noise.sigma(range);
+bool isFlat(const Moments& m, const PlaneFit& fit, double range, double sigma, const CoplanarityTolerance& tolerance) {
   const double dof = m.n - 3;
   const double distance = tolerance.forNoise(sigma).sigma_distance;
   const double slack = distance * distance * secantSquared(fit.a, range) / (sigma * sigma);
   return fit.chi2 < dof * (1.0 + slack) + 3.3 * std::sqrt(2.0 * dof * tolerance.inflationOf(m.n));
 }
 
-void weigh(const NoiseModel& noise, Patch& patch) {
-  const double sigma = noise.sigma(patch.range);
+void weigh(const NoiseModel& noise, const PatchGrid& grid, Patch& patch) {
+  patch.noise_factor =
+      noise.factorAt((patch.row_begin + patch.row_end) / 2 * grid.cols + (patch.col_begin + patch.col_end) / 2);
+  const double sigma = noise.sigma(patch.range) * patch.noise_factor;
   patch.weigh(sigma * sigma);
 }
 
 void gate(const NoiseModel& noise, const CoplanarityTolerance& tolerance, Patch& patch) {
   patch.planar = patch.moments.n >= std::max(kMinPatchPoints, patch.pixels() / 3) &&
-                 isFlat(patch.moments, patch.fit, patch.range, noise, tolerance);
+                 isFlat(patch.moments, patch.fit, patch.range, noise.sigma(patch.range) * patch.noise_factor, tolerance);
 }
 
 // Finds the surroundings of those patches in [begin, end) that are to be asked together with them.
@@ -75,7 +75,7 @@ void measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const C
   for (int i = begin; i < end; ++i) {
     if (memory.kind[i] != kUncertain) continue;
     const Patch& patch = grid.patches[i];
-    const double sigma = noise.sigma(patch.range);
+    const double sigma = noise.sigma(patch.range) * patch.noise_factor;
     const double uncertainty =
         sigma * std::sqrt(tolerance.inflation / (patch.moments.n * secantSquared(patch.fit.a, patch.range)));
     const double distance = tolerance.forNoise(sigma).sigma_distance;
@@ -98,7 +98,7 @@ void measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const C
     Moments sum;
     for (const int j : wave) sum += grid.patches[j].moments;
     const PlaneFit fit = fitPlane(sum);
-    if (!isFlat(sum, fit, patch.range, noise, tolerance)) continue;
+    if (!isFlat(sum, fit, patch.range, sigma, tolerance)) continue;
     result.of.push_back(i);
     result.around.push_back({sum, fit, sum.radius(), tolerance.inflationOf(sum.n)});
   }
@@ -153,7 +153,8 @@ void measurePatches(const PatchGrid& grid, const NoiseModel& noise, const Coplan
       memory.around_of[i] = out.cluster_of[i] = -1;
       if (!patch.planar) continue;
       roughness.add(grid, i);
-      const double radius = patch.moments.radius(), sigma = noise.sigma(patch.range), n = patch.moments.n;
+      const double radius = patch.moments.radius(), sigma = noise.sigma(patch.range) * patch.noise_factor,
+                   n = patch.moments.n;
       const double distance = tolerance.forNoise(sigma).sigma_distance, turned = tolerance.sigma_angle * radius;
       memory.radius[i] = radius;
       memory.precision[i] = n / (sigma * sigma) * (distance * distance + turned * turned);
@@ -169,7 +170,7 @@ void measurePatches(const PatchGrid& grid, const NoiseModel& noise, const Coplan
 
 void weighPatches(const NoiseModel& noise, PatchGrid& grid, int threads) {
   forEachRange(threads, static_cast<int>(grid.patches.size()), [&](int begin, int end) {
-    for (int k = begin; k < end; ++k) weigh(noise, grid.patches[k]);
+    for (int k = begin; k < end; ++k) weigh(noise, grid, grid.patches[k]);
   });
 }
 
@@ -184,7 +185,7 @@ void weighAndGatePatches(const NoiseModel& noise, const CoplanarityTolerance& to
   forEachRange(threads, static_cast<int>(grid.patches.size()), [&](int begin, int end) {
     for (int first = begin; first < end; first += kAtATime) {
       const int last = std::min(first + kAtATime, end);
-      for (int k = first; k < last; ++k) weigh(noise, grid.patches[k]);
+      for (int k = first; k < last; ++k) weigh(noise, grid, grid.patches[k]);
       for (int k = first; k < last; ++k) gate(noise, tolerance, grid.patches[k]);
     }
   });
@@ -277,7 +278,7 @@ void growClusters(const PatchGrid& grid, const NoiseModel& noise, const Coplanar
                    !plane.surelySuits(patch.moments, patch.fit,
                                       noise_misfit + memory.precision[j] * secantSquared(plane.about(), patch.range),
                                       greatest)) {
-          const double sigma = noise.sigma(patch.range);
+          const double sigma = noise.sigma(patch.range) * patch.noise_factor;
           const CoplanarityTolerance local = tolerance.forNoise(sigma);
           const double points = std::min(patch.moments.n, plane.moments().n);
           if (!plane.suits({patch.moments, patch.fit, radius[j], patch.range, sigma, points}, local, greatest)) return;

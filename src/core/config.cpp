@@ -37,6 +37,9 @@ std::vector<ConfigField> makeFields() {
                 "compare patches with the plane of the whole cluster, not only with the neighbour"),
       PPC_FIELD("noise_aware", Type::kBool, 0, 1, noise_aware,
                 "add the noise of the fits to sigma_angle and sigma_distance, not those alone"),
+      PPC_FIELD(
+          "noise_by_surface", Type::kBool, 0, 1, noise_by_surface,
+          "find surfaces with more noise than is typical at their range, as dark ones have; if the noise is estimated"),
       PPC_FIELD("avoid_range_limit", Type::kBool, 0, 1, avoid_range_limit,
                 "begin no region where the sensor's range ends, and what is still measured stands off its plane"),
       PPC_FIELD("merge", Type::kBool, 0, 1, merge, "merge clusters that one plane explains"),

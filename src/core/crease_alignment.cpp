@@ -70,8 +70,8 @@ class CreaseAligner {
       beams.valid &= (fillMask(which) & LaneMask{1, 2, 4, 8}) != LaneMask{};
       const LaneMask of_first = labelsAt(labels_, pixel, grid_.size() - pixel) == first;
       const auto heights = one_origin ? of_all : planes.heightsAt(beams.origin_x, beams.origin_y, beams.origin_z);
-      const auto found =
-          planes.compare(beams, heights, variance_.at(beams.range), of_first, kClearlyApart, kWithinNoise, kFarthestPoint);
+      const auto found = planes.compare(beams, heights, variance_.at(beams.range, pixel), of_first, kClearlyApart,
+                                        kWithinNoise, kFarthestPoint);
       apart += found.apart;
       of_farther += found.apart & ~(of_first ^ found.first_farther);
       if (!anyLane(found.open)) return;

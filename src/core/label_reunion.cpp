@@ -17,7 +17,7 @@ constexpr int kFewestPoints = 6;  // of each label
 double misfitOf(const Moments& a, const Moments& b, const NoiseModel& noise, const CoplanarityTolerance& tolerance) {
   const Moments& small = a.n < b.n ? a : b;
   const PlaneFit joint = fitPlane(a + b), fit_a = fitPlane(a), fit_b = fitPlane(b);
-  const double range = small.mean().norm(), sigma = noise.sigma(range);
+  const double range = small.mean().norm(), sigma = noise.sigmaOf(small, range);
   CoplanarityTolerance local = tolerance.forNoise(sigma);
   local.inflation = tolerance.inflationOf(small.n);
   return misfit(joint.chi2 - fit_a.chi2 - fit_b.chi2, small.n / (sigma * sigma), std::min(small.radius(), kMaxWholeRadius),

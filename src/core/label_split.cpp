@@ -35,7 +35,7 @@ double LabelSplit::noise(const CoplanarityTolerance& tolerance) const {
 
 bool LabelSplit::isBeyond(const CoplanarityTolerance& tolerance, const NoiseModel& noise, const PlaneFit& whole) const {
   const Moments& small = low.sum.n < high.sum.n ? low.sum : high.sum;
-  const double range = small.mean().norm(), sigma = noise.sigma(range);
+  const double range = small.mean().norm(), sigma = noise.sigmaOf(small, range);
   return misfit(explained(whole), small.n / (sigma * sigma), std::min(small.radius(), kMaxWholeRadius),
                 leastSecantSquared(whole, low.fit, high.fit, range), wholeTolerance(tolerance, sigma, small.n)) > kMinMisfit;
 }

@@ -20,7 +20,7 @@ NearFit fitNear(const BeamGrid& grid, const Eigen::Vector3d& center, const Noise
     for (int i = stretch->begin; i < stretch->end; ++i) {
       if (!grid.valid(i)) continue;
       const Eigen::Vector3d at = grid.point(i).cast<double>() - center;
-      const double sigma = noise.sigma(grid.range[i]), floor = tolerance.forNoise(sigma).sigma_distance;
+      const double sigma = noise.sigmaAt(i, grid.range[i]), floor = tolerance.forNoise(sigma).sigma_distance;
       const double variance = sigma * sigma + floor * floor;
       points.push_back({at, at.squaredNorm() / variance, i});
       variances += variance;

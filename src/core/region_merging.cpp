@@ -37,7 +37,7 @@ double wholeSimilarity(const Whole& a, const Whole& b, const PlaneFit& joint, co
                        const CoplanarityTolerance& tolerance) {
   const Moments& small = a.moments.n < b.moments.n ? a.moments : b.moments;
   const double range = small.mean().norm();
-  const double sigma = noise.sigma(range);
+  const double sigma = noise.sigmaOf(small, range);
   CoplanarityTolerance whole = wholeTolerance(tolerance, sigma, small.n);
   double max_radius = kMaxWholeRadius;
   if (a.fit.normal().dot(b.fit.normal()) > std::cos(kHardlyTurned * tolerance.sigma_angle)) {
@@ -55,7 +55,7 @@ double stepSimilarity(const Moments& a, const Moments& b, const PlaneFit& joint,
   const Eigen::Vector3d mean_a = a.mean(), mean_b = b.mean();
   const double gap = joint.normal().dot(mean_a - mean_b);
   const double range = 0.5 * (mean_a.norm() + mean_b.norm());
-  const double sigma = noise.sigma(range);
+  const double sigma = noise.sigmaOf(a + b, range);
   const double variance =
       sigma * sigma / secantSquared(joint.a, range) * (tolerance.inflationOf(a.n) / a.n + tolerance.inflationOf(b.n) / b.n);
   const double step = kStepTolerance * tolerance.forNoise(sigma).sigma_distance;
@@ -78,7 +78,7 @@ bool isCrease(const Whole& a, const Whole& b, const NoiseModel& noise, const Cop
   const bool first = a.moments.n < b.moments.n;
   const Whole &small = first ? a : b, &large = first ? b : a;
   const Moments& m = small.moments;
-  const double range = m.mean().norm(), sigma = noise.sigma(range);
+  const double range = m.mean().norm(), sigma = noise.sigmaOf(m, range);
   if (!tolerance.isFine(sigma)) return false;
   const double distance = kCreaseTolerance * tolerance.forNoise(sigma).sigma_distance;
   const Eigen::Vector3d normal = large.fit.normal();
@@ -102,10 +102,10 @@ struct Step {
 };
 
 // No step, and that for certain: what noise leaves open counts against it, by the larger of these variances.
-bool isLevel(const Step& step, double range, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
+bool isLevel(const Step& step, const Moments& border, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
              double threshold) {
   if (!(step.points > 0.0)) return false;
-  const double sigma = noise.sigma(range);
+  const double sigma = noise.sigmaOf(border, border.mean().norm());
   const double variance = sigma * sigma * tolerance.inflation / step.points;
   const double allowed = kStepTolerance * tolerance.forNoise(sigma).sigma_distance;
   return step.height * step.height + 4.0 * variance <= greatestMisfit(threshold) * allowed * allowed;
@@ -253,7 +253,7 @@ void nameMerged(const PatchGrid& cells, const NoiseModel& noise, const Coplanari
                      if (!level) {
                        const Eigen::Vector3d normal = (a.fit.normal() + b.fit.normal()).normalized();
                        const Step step = sums.measureStep(pair, &groups[begin], groups.data() + end, normal);
-                       if (!isLevel(step, (first + second).mean().norm(), noise, tolerance, threshold)) continue;
+                       if (!isLevel(step, first + second, noise, tolerance, threshold)) continue;
                      }
                      border.candidates.emplace_back(-s, pair);
                    }

@@ -54,7 +54,8 @@ SampleSums readSamples(const BeamGrid& grid, const int* pixels, int n, const Noi
       const Lanes y = inside ? beam.origin_y + beam.range * beam.dir_y - first.y() : Lanes{};
       const Lanes z = inside ? beam.origin_z + beam.range * beam.dir_z - first.z() : Lanes{};
       Lanes sigma;
-      for (int lane = 0; lane < kLanes; ++lane) sigma[lane] = static_cast<float>(noise.sigma(beam.range[lane]));
+      for (int lane = 0; lane < kLanes; ++lane)
+        sigma[lane] = static_cast<float>(noise.sigmaAt(four[lane], beam.range[lane]));
       beam.dir_x = inside ? beam.dir_x : Lanes{};
       beam.dir_y = inside ? beam.dir_y : Lanes{};
       beam.dir_z = inside ? beam.dir_z : Lanes{};
@@ -162,7 +163,8 @@ void sampleRegion(const BeamGrid& grid, const NoiseModel& noise, int label, Samp
   samples.normal = eigen.eigenvectors().col(0);
   if (samples.normal.dot(sums.beams) > 0.0) samples.normal = -samples.normal;
   samples.center += mean;
-  region.sigma = noise.sigma(samples.center.norm());
+  const double range = samples.center.norm();
+  region.sigma = noise.sigma(range);
   region.plane = {samples.normal, samples.normal.dot(samples.center)};
   const double rms = std::sqrt(std::max(0.0, eigen.eigenvalues()[0]) / n);
   weighSamples(mean.cast<float>(), samples.normal.cast<float>(), static_cast<float>(rms), n,

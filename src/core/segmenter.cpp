@@ -117,6 +117,10 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
                                               : NoiseModel::estimate(patches, config.sensor, memory.noise, config.threads);
   CoplanarityTolerance tolerance{config.sigma_distance, config.sigma_angle, 1.0};
   weighAndGatePatches(noise, tolerance, patches, config.threads);
+  if (config.noise_by_surface && config.noise_aware && config.noise_scale == 0.0 &&
+      adaptToSurfaces(grid, patches, noise, memory.surface_noise, config.threads)) {
+    gatePatches(noise, tolerance, patches, config.threads);
+  }
   if (config.noise_aware && estimateCorrelation(config, noise, tolerance, memory)) {
     gatePatches(noise, tolerance, patches, config.threads);
   }

@@ -38,7 +38,7 @@ class BeamPlanes {
     double sigma, floor;
   };
   Errors errorsAt(int pixel) const {
-    const double sigma = noise_.sigma(grid_.range[pixel]);
+    const double sigma = noise_.sigmaAt(pixel, grid_.range[pixel]);
     return {sigma, tolerance_.forNoise(sigma).sigma_distance};
   }
 

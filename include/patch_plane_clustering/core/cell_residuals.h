@@ -34,7 +34,7 @@ struct CellNoise {
 
   CellNoise(const BeamGrid& grid, const NoiseModel& noise, const CoplanarityTolerance& tolerance, int pixel)
       : direction(grid.direction(pixel)) {
-    const auto sigma = static_cast<float>(noise.sigma(grid.range[pixel]));
+    const auto sigma = static_cast<float>(noise.sigmaAt(pixel, grid.range[pixel]));
     const auto distance = static_cast<float>(tolerance.forNoise(sigma).sigma_distance);
     variance = sigma * sigma;
     tolerance2 = distance * distance;

@@ -20,6 +20,7 @@ struct Config {
   bool equal_angle = true;            ///< patches of about equal solid angle; false: square in pixels
   bool running_plane = true;          ///< compare patches with the plane of the whole cluster; false: with the neighbour
   bool noise_aware = true;            ///< add the noise to both sigmas; false: Gaussians of the sigmas alone
+  bool noise_by_surface = true;       ///< find surfaces with more noise than is typical; only if the noise is estimated
   bool avoid_range_limit = true;      ///< begin no region where the sensor's range ends, and what is measured stands off
   bool merge = true;                  ///< merge clusters that one plane explains
   int min_size = 0;                   ///< smallest region [points]; 0: by the size of the image, see smallestRegion()

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "patch_plane_clustering/core/moments.h"
 #include "patch_plane_clustering/core/patch_grid.h"
 #include "patch_plane_clustering/core/sensor_model.h"
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -39,9 +41,28 @@ class NoiseModel {
   static NoiseModel estimate(const PatchGrid& patches, const SensorModel& sensor);
   static NoiseModel estimate(const PatchGrid& patches, const SensorModel& sensor, NoiseMemory& memory, int threads = 1);
 
-  /// One standard deviation [m] at a range [m].
+  /// One standard deviation [m] at a range [m]: of a typical surface, if surfaces differ.
   double sigma(double range) const {
     return table_[static_cast<std::size_t>(std::min(std::max(range * kCellsPerMetre, 0.0), kCells - 1.0))];
+  }
+
+  /// @brief From now on, the noise of a pixel is so many times the typical one at its range (see surface_noise.h).
+  /// @param factors of the pixels, at least 1; must outlive the model and its copies.
+  void setFactors(const std::vector<float>& factors) { factors_ = &factors; }
+
+  /// Noise at a pixel over the typical one at its range.
+  float factorAt(int pixel) const { return factors_ == nullptr ? 1.0F : (*factors_)[static_cast<std::size_t>(pixel)]; }
+
+  /// The standard deviation of a pixel [m]. @param range of it [m].
+  double sigmaAt(int pixel, double range) const { return sigma(range) * factorAt(pixel); }
+
+  /// The standard deviation of points that moments are of [m]: where surfaces differ, their weights tell. @param range of
+  /// the points [m].
+  double sigmaOf(const Moments& weighed, double range) const {
+    const double typical = sigma(range);
+    if (factors_ == nullptr) return typical;
+    const double squares = weighed.xx + weighed.yy + weighed.zz;  // about w r^2
+    return std::max(typical, std::sqrt(weighed.n * squares) / weighed.w);
   }
 
   /// Multiplies it at all ranges.
@@ -52,7 +73,8 @@ class NoiseModel {
  private:
   explicit NoiseModel(const std::vector<double>& sigma_of_bin);
 
-  std::array<double, kCells> table_{};  // looked up once or more a point: no logarithm there
+  std::array<double, kCells> table_{};           // looked up once or more a point: no logarithm there
+  const std::vector<float>* factors_ = nullptr;  // of the pixels; none if surfaces do not differ
 };
 
 }  // namespace ppc

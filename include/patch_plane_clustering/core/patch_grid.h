@@ -17,6 +17,7 @@ struct Patch {
   Moments moments;                 ///< of the valid points, about the sensor centre
   PlaneFit fit;                    ///< least-squares plane of the moments
   double range = 0.0;              ///< mean range of the valid points [m]
+  double noise_factor = 1.0;       ///< noise of its ranges over what is typical at that range
   bool planar = false;             ///< passed the gate: enough points, residuals as small as the noise allows
 
   /// Pixels of the block, measured or not.

@@ -25,6 +25,7 @@
 #include "patch_plane_clustering/core/region_trimming.h"
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/small_planes.h"
+#include "patch_plane_clustering/core/surface_noise.h"
 
 namespace ppc {
 
@@ -42,6 +43,7 @@ struct ClusteringMemory {
   LineErrorMemory lines;
   BeamGrid corrected;  ///< the image without errors of whole lines
   NoiseMemory noise;
+  SurfaceNoiseMemory surface_noise;
   CorrelationMemory correlation;
   InflationMemory inflation;
   AngularSteps steps;
