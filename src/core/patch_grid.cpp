@@ -19,8 +19,10 @@ namespace {
 // A patch near the pole may be this many times higher than wide in pixels: beyond, the lines no longer part.
 constexpr int kMaxAspect = 16;
 constexpr double kAspect = 1.3;
-constexpr int kStepCols = 8;     // columns between those where the step from row to row is measured
-constexpr int kFetchAhead = 12;  // patches
+constexpr int kStepCols = 8;      // columns between those where the step from row to row is measured
+constexpr int kStepRows = 6;      // over which it is, if the rows come in steps
+constexpr double kInSteps = 0.4;  // then it differs from that of neighbours by such a share
+constexpr int kFetchAhead = 12;   // patches
 
 double angleBetween(const BeamGrid& grid, int a, int b) { return (grid.direction(a) - grid.direction(b)).norm(); }
 
@@ -37,16 +39,21 @@ double columnStep(const BeamGrid& grid, std::vector<double>& steps) {
   return steps.empty() ? 0.0 : median(steps);
 }
 
-// Median angle between vertical neighbours in one column.
-double rowStep(const BeamGrid& grid, int col, std::vector<double>& steps) {
+// Median angle from row to row in one column, over so many rows.
+double rowStepOver(const BeamGrid& grid, int col, int span, std::vector<double>& steps) {
   steps.clear();
   const int stride = std::max(1, grid.rows / 32);
-  for (int r = 0; r + 1 < grid.rows; r += stride) {
-    const int i = grid.index(r, col);
-    const int below = grid.index(r + 1, col);
-    if (grid.beams_exact || (grid.valid(i) && grid.valid(below))) steps.push_back(angleBetween(grid, i, below));
+  for (int r = 0; r + span < grid.rows; r += stride) {
+    const int i = grid.index(r, col), below = grid.index(r + span, col);
+    if (grid.beams_exact || (grid.valid(i) && grid.valid(below))) steps.push_back(angleBetween(grid, i, below) / span);
   }
   return steps.empty() ? 0.0 : median(steps);
+}
+
+// That of neighbours, but for motors that go in steps of some rows: most of these are no angle apart, or more than others.
+double rowStep(const BeamGrid& grid, int col, std::vector<double>& steps) {
+  const double next = rowStepOver(grid, col, 1, steps), over = rowStepOver(grid, col, kStepRows, steps);
+  return over > 0.0 && std::abs(next - over) > kInSteps * over ? over : next;
 }
 
 double interpolate(const std::vector<double>& steps, int col) {

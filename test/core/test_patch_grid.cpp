@@ -166,6 +166,17 @@ TEST(PatchGrid, PatchesAreAsHighAsWideInAngle) {
   EXPECT_EQ(makePatchGrid(grid, 4, false).strip_rows[12], 4);
 }
 
+// A motor that goes in steps, with some lines at each.
+TEST(PatchGrid, PatchesReachOverSeveralSteps) {
+  for (const int lines : {2, 3, 5}) {
+    RangeImage image = noddingScan(300, 101, -0.3, 0.3, 0.5);
+    for (int r = 0; r < image.rows; ++r) image.line_poses[r] = image.line_poses[r / lines * lines];
+    BeamGrid grid = toBeamGrid(image);
+    scan({wall({-1.0, 0.0, 0.0}, -2.0)}, grid);
+    EXPECT_NEAR(makePatchGrid(grid, 4, true).strip_rows[12], 1.3 * 0.01 / (0.6 / 299.0) * 4.0, 6.0) << lines;
+  }
+}
+
 TEST(PatchGrid, PatchesGrowTowardsThePole) {
   BeamGrid grid = toBeamGrid(noddingScan(400, 271, -0.8, 0.8, 135.0 * kDegree));
   scan({wall({-1.0, 0.0, 0.0}, -2.0), wall({1.0, 0.0, 0.0}, -2.0)}, grid);
