@@ -38,6 +38,9 @@ std::vector<ConfigField> makeFields() {
       PPC_FIELD("noise_aware", Type::kBool, 0, 1, noise_aware,
                 "add the noise of the fits to sigma_angle and sigma_distance, not those alone"),
       PPC_FIELD(
+          "thin_standing_lines", Type::kBool, 0, 1, thin_standing_lines,
+          "leave out lines of a cloud that are measured while the scanner waits, label them by those that stand for them"),
+      PPC_FIELD(
           "noise_by_surface", Type::kBool, 0, 1, noise_by_surface,
           "find surfaces with more noise than is typical at their range, as dark ones have; if the noise is estimated"),
       PPC_FIELD("avoid_range_limit", Type::kBool, 0, 1, avoid_range_limit,

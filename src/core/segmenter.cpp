@@ -85,23 +85,9 @@ void addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, const Coplan
   }
 }
 
-}  // namespace
-
-LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vector<StageTime>* stages) {
-  ClusteringMemory memory;
-  LabelImage labels;
-  clusterPatches(grid, config, memory, labels, stages);
-  return labels;
-}
-
-void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMemory& memory, LabelImage& labels,
-                    std::vector<StageTime>* stages) {
-  const WorkerPool::Alert alert(WorkerPool::ofProcess(), config.threads);
-  StageTimer timer(stages);
-  const LineErrors line_errors =
-      config.noise_aware ? estimateLineErrors(measured, memory.lines, config.threads) : LineErrors();
-  if (!line_errors.empty()) removeLineErrors(line_errors, measured, memory.corrected);
-  const BeamGrid& grid = line_errors.empty() ? measured : memory.corrected;
+// Everything once the lines are where they were and no two of them are the same.
+void clusterLines(const BeamGrid& grid, const Config& config, StageTimer& timer, ClusteringMemory& memory,
+                  LabelImage& labels) {
   PatchGrid& patches = memory.patches;
   AngularSteps& steps = memory.steps;
   if (config.equal_angle) {
@@ -259,6 +245,32 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
     trimRegions(grid, patches.center, noise, tolerance, smallest, memory.trimming, labels, config.threads);
     timer.lap("trimming");
   }
+}
+
+}  // namespace
+
+LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vector<StageTime>* stages) {
+  ClusteringMemory memory;
+  LabelImage labels;
+  clusterPatches(grid, config, memory, labels, stages);
+  return labels;
+}
+
+void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMemory& memory, LabelImage& labels,
+                    std::vector<StageTime>* stages) {
+  const WorkerPool::Alert alert(WorkerPool::ofProcess(), config.threads);
+  StageTimer timer(stages);
+  const LineErrors line_errors =
+      config.noise_aware ? estimateLineErrors(measured, memory.lines, config.threads) : LineErrors();
+  if (!line_errors.empty()) removeLineErrors(line_errors, measured, memory.corrected);
+  const BeamGrid& lines = line_errors.empty() ? measured : memory.corrected;
+  if (!config.thin_standing_lines || !config.noise_aware || lines.beams_exact ||
+      !thinStandingLines(lines, memory.standing)) {
+    clusterLines(lines, config, timer, memory, labels);
+    return;
+  }
+  clusterLines(memory.standing.grid, config, timer, memory, memory.standing.labels);
+  labelStandingLines(lines, memory.standing, labels);
 }
 
 Segmentation segment(const BeamGrid& grid, const Config& config) {

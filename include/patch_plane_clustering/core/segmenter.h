@@ -25,6 +25,7 @@
 #include "patch_plane_clustering/core/region_trimming.h"
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/small_planes.h"
+#include "patch_plane_clustering/core/standing_lines.h"
 #include "patch_plane_clustering/core/surface_noise.h"
 
 namespace ppc {
@@ -40,6 +41,7 @@ struct FinishingMemory {
 /// @brief Working memory of clusterPatches() and segment(). Given to one image after the other, it spares them asking the
 /// system for anything, so far as they are of one size and kind; it carries nothing else from one to the next.
 struct ClusteringMemory {
+  StandingLineMemory standing;
   LineErrorMemory lines;
   BeamGrid corrected;  ///< the image without errors of whole lines
   NoiseMemory noise;

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/standing_lines.h"
+
+#include "patch_plane_clustering/core/grid_lines.h"
+#include "patch_plane_clustering/core/quantile.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace ppc {
+namespace {
+
+constexpr int kSamples = 10;        // beams by which lines are compared
+constexpr std::size_t kFewest = 4;  // of them that both lines have measured
+constexpr double kStanding = 0.1;   // of the step of lines that move
+constexpr double kMoving = 0.98;    // quantile of the steps: most lines may stand, and some follow a gap
+constexpr int kFewestStanding = 8;  // lines one after the other: patches reach over fewer
+constexpr int kFewestMoving = 8;    // lines that must be left
+constexpr float kMostApart = 7.0F;  // times the median difference of the ranges of two lines
+
+// Median angle between the beams of two lines; negative if too few of them have measured.
+double angleBetween(const GridLines& lines, int a, int b, std::vector<float>& angles) {
+  const int step = std::max(1, lines.beams() / kSamples);
+  angles.clear();
+  for (int beam = step / 2; beam < lines.beams(); beam += step) {
+    if (!lines.grid().valid(lines.pixel(a, beam)) || !lines.grid().valid(lines.pixel(b, beam))) continue;
+    angles.push_back((lines.direction(a, beam) - lines.direction(b, beam)).norm());
+  }
+  return angles.size() < kFewest ? -1.0 : quantile(angles, 0.5);
+}
+
+// Lists the lines that move, and which of them each line is like. @return whether any are left out.
+bool findStanding(const GridLines& lines, StandingLineMemory& memory) {
+  memory.steps.assign(1, -1.0);
+  memory.known.clear();
+  for (int line = 1; line < lines.count(); ++line) {
+    memory.steps.push_back(angleBetween(lines, line - 1, line, memory.angles));
+    if (memory.steps.back() >= 0.0) memory.known.push_back(memory.steps.back());
+  }
+  if (memory.known.empty()) return false;
+  const double least = kStanding * quantile(memory.known, kMoving);
+  const auto stands = [least](double angle) { return angle >= 0.0 && angle < least; };
+  memory.kept.clear();
+  memory.stands_for.clear();
+  bool any = false;
+  for (int begin = 0, end = 0; begin < lines.count(); begin = end) {
+    for (end = begin + 1; end < lines.count(); ++end) {
+      if (!stands(memory.steps[end]) || !stands(angleBetween(lines, begin, end, memory.angles))) break;
+    }
+    const bool thin = end - begin >= kFewestStanding;
+    any = any || thin;
+    for (int line = begin; line < end; ++line) {
+      if (line == begin || !thin) memory.kept.push_back(line);
+      memory.stands_for.push_back(static_cast<int>(memory.kept.size()) - 1);
+    }
+  }
+  return any && static_cast<int>(memory.kept.size()) >= kFewestMoving;
+}
+
+// The image of those lines.
+void takeKept(const BeamGrid& grid, StandingLineMemory& memory) {
+  BeamGrid& out = memory.grid;
+  const auto moving = static_cast<int>(memory.kept.size());
+  out.rows = memory.in_columns ? grid.rows : moving;
+  out.cols = memory.in_columns ? moving : grid.cols;
+  out.beams_exact = grid.beams_exact;
+  const GridLines from(grid, memory.in_columns), to(out, memory.in_columns);
+  for (const auto numbers : {&BeamGrid::range, &BeamGrid::dir_x, &BeamGrid::dir_y, &BeamGrid::dir_z, &BeamGrid::origin_x,
+                             &BeamGrid::origin_y, &BeamGrid::origin_z}) {
+    const std::vector<float>& all = grid.*numbers;
+    (out.*numbers).resize(all.empty() ? 0 : static_cast<std::size_t>(out.size()));
+    if (all.empty()) continue;
+    for (int line = 0; line < moving; ++line) {
+      for (int beam = 0; beam < to.beams(); ++beam) {
+        (out.*numbers)[to.pixel(line, beam)] = all[from.pixel(memory.kept[line], beam)];
+      }
+    }
+  }
+}
+
+}  // namespace
+
+bool thinStandingLines(const BeamGrid& grid, StandingLineMemory& memory) {
+  for (const bool in_columns : {false, true}) {
+    if (!findStanding(GridLines(grid, in_columns), memory)) continue;
+    memory.in_columns = in_columns;
+    takeKept(grid, memory);
+    return true;
+  }
+  return false;
+}
+
+void labelStandingLines(const BeamGrid& grid, StandingLineMemory& memory, LabelImage& labels) {
+  labels.rows = grid.rows;
+  labels.cols = grid.cols;
+  labels.labels.resize(static_cast<std::size_t>(grid.size()));
+  const GridLines lines(grid, memory.in_columns), kept(memory.grid, memory.in_columns);
+  std::vector<float>& differences = memory.differences;
+  for (int line = 0; line < lines.count(); ++line) {
+    const int of = memory.stands_for[line];
+    const auto differenceAt = [&](int beam) {
+      return std::abs(grid.range[lines.pixel(line, beam)] - memory.grid.range[kept.pixel(of, beam)]);
+    };
+    differences.clear();
+    for (int beam = 0; beam < lines.beams(); ++beam) {
+      const float difference = differenceAt(beam);
+      if (std::isfinite(difference)) differences.push_back(difference);
+    }
+    const float farthest = differences.empty() ? 0.0F : kMostApart * quantile(differences, 0.5);
+    for (int beam = 0; beam < lines.beams(); ++beam) {
+      const bool same = memory.kept[of] == line || differenceAt(beam) <= farthest;  // not where there is no range
+      labels.labels[lines.pixel(line, beam)] = same ? memory.labels.labels[kept.pixel(of, beam)] : 0;
+    }
+  }
+}
+
+}  // namespace ppc
