@@ -55,10 +55,11 @@ double stepSimilarity(const Moments& a, const Moments& b, const PlaneFit& joint,
   const Eigen::Vector3d mean_a = a.mean(), mean_b = b.mean();
   const double gap = joint.normal().dot(mean_a - mean_b);
   const double range = 0.5 * (mean_a.norm() + mean_b.norm());
-  const double sigma = noise.sigmaOf(a + b, range);
+  const double sigma_a = noise.sigmaOf(a, range), sigma_b = noise.sigmaOf(b, range);
   const double variance =
-      sigma * sigma / secantSquared(joint.a, range) * (tolerance.inflationOf(a.n) / a.n + tolerance.inflationOf(b.n) / b.n);
-  const double step = kStepTolerance * tolerance.forNoise(sigma).sigma_distance;
+      (sigma_a * sigma_a * tolerance.inflationOf(a.n) / a.n + sigma_b * sigma_b * tolerance.inflationOf(b.n) / b.n) /
+      secantSquared(joint.a, range);
+  const double step = kStepTolerance * tolerance.forNoise(std::max(sigma_a, sigma_b)).sigma_distance;
   return std::exp(-0.5 * gap * gap / (variance + step * step));
 }
 
@@ -102,10 +103,10 @@ struct Step {
 };
 
 // No step, and that for certain: what noise leaves open counts against it, by the larger of these variances.
-bool isLevel(const Step& step, const Moments& border, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-             double threshold) {
+bool isLevel(const Step& step, const Moments& a, const Moments& b, const NoiseModel& noise,
+             const CoplanarityTolerance& tolerance, double threshold) {
   if (!(step.points > 0.0)) return false;
-  const double sigma = noise.sigmaOf(border, border.mean().norm());
+  const double range = (a + b).mean().norm(), sigma = std::max(noise.sigmaOf(a, range), noise.sigmaOf(b, range));
   const double variance = sigma * sigma * tolerance.inflation / step.points;
   const double allowed = kStepTolerance * tolerance.forNoise(sigma).sigma_distance;
   return step.height * step.height + 4.0 * variance <= greatestMisfit(threshold) * allowed * allowed;
@@ -253,7 +254,7 @@ void nameMerged(const PatchGrid& cells, const NoiseModel& noise, const Coplanari
                      if (!level) {
                        const Eigen::Vector3d normal = (a.fit.normal() + b.fit.normal()).normalized();
                        const Step step = sums.measureStep(pair, &groups[begin], groups.data() + end, normal);
-                       if (!isLevel(step, first + second, noise, tolerance, threshold)) continue;
+                       if (!isLevel(step, first, second, noise, tolerance, threshold)) continue;
                      }
                      border.candidates.emplace_back(-s, pair);
                    }

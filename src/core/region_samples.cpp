@@ -163,8 +163,7 @@ void sampleRegion(const BeamGrid& grid, const NoiseModel& noise, int label, Samp
   samples.normal = eigen.eigenvectors().col(0);
   if (samples.normal.dot(sums.beams) > 0.0) samples.normal = -samples.normal;
   samples.center += mean;
-  const double range = samples.center.norm();
-  region.sigma = noise.sigma(range);
+  region.sigma = noise.sigma(samples.center.norm());
   region.plane = {samples.normal, samples.normal.dot(samples.center)};
   const double rms = std::sqrt(std::max(0.0, eigen.eigenvalues()[0]) / n);
   weighSamples(mean.cast<float>(), samples.normal.cast<float>(), static_cast<float>(rms), n,

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 namespace ppc {
 namespace {
@@ -17,7 +18,9 @@ constexpr double kStanding = 0.1;   // of the step of lines that move
 constexpr double kMoving = 0.98;    // quantile of the steps: most lines may stand, and some follow a gap
 constexpr int kFewestStanding = 8;  // lines one after the other: patches reach over fewer
 constexpr int kFewestMoving = 8;    // lines that must be left
-constexpr float kMostApart = 7.0F;  // times the median difference of the ranges of two lines
+// How far two lines that stand may differ: so many times what one difference of ten exceeds, on the same surface.
+constexpr float kMostApart = 3.0F;
+constexpr double kApart = 0.9;
 
 // Median angle between the beams of two lines; negative if too few of them have measured.
 double angleBetween(const GridLines& lines, int a, int b, std::vector<float>& angles) {
@@ -79,6 +82,32 @@ void takeKept(const BeamGrid& grid, StandingLineMemory& memory) {
   }
 }
 
+// Takes their labels from the pixels of a line that was left out where it has measured something else than the line that
+// stands for it, or nothing.
+void clearOthers(const GridLines& lines, int line, const GridLines& kept, int of, StandingLineMemory& memory,
+                 LabelImage& labels) {
+  std::vector<StandingLineMemory::Difference>& differences = memory.differences;
+  differences.clear();
+  for (int beam = 0; beam < lines.beams(); ++beam) {
+    const int pixel = lines.pixel(line, beam);
+    std::int32_t& label = labels.labels[pixel];
+    if (!lines.grid().valid(pixel)) label = 0;
+    if (label == 0) continue;
+    differences.push_back({label, std::abs(lines.grid().range[pixel] - kept.grid().range[kept.pixel(of, beam)]), pixel});
+  }
+  std::sort(differences.begin(), differences.end(),
+            [](const auto& a, const auto& b) { return a.label != b.label ? a.label < b.label : a.range < b.range; });
+  for (std::size_t begin = 0, end = 0; begin < differences.size(); begin = end) {
+    while (end < differences.size() && differences[end].label == differences[begin].label) ++end;
+    const auto count = static_cast<double>(end - begin - 1);
+    float farthest = kMostApart * differences[begin + static_cast<std::size_t>(kApart * count)].range;
+    for (std::size_t k = begin; k < end; ++k) {
+      if (farthest == 0.0F) farthest = differences[k].range;  // one step of ranges that come in steps
+      if (differences[k].range > farthest) labels.labels[differences[k].pixel] = 0;
+    }
+  }
+}
+
 }  // namespace
 
 bool thinStandingLines(const BeamGrid& grid, StandingLineMemory& memory) {
@@ -96,22 +125,12 @@ void labelStandingLines(const BeamGrid& grid, StandingLineMemory& memory, LabelI
   labels.cols = grid.cols;
   labels.labels.resize(static_cast<std::size_t>(grid.size()));
   const GridLines lines(grid, memory.in_columns), kept(memory.grid, memory.in_columns);
-  std::vector<float>& differences = memory.differences;
   for (int line = 0; line < lines.count(); ++line) {
     const int of = memory.stands_for[line];
-    const auto differenceAt = [&](int beam) {
-      return std::abs(grid.range[lines.pixel(line, beam)] - memory.grid.range[kept.pixel(of, beam)]);
-    };
-    differences.clear();
     for (int beam = 0; beam < lines.beams(); ++beam) {
-      const float difference = differenceAt(beam);
-      if (std::isfinite(difference)) differences.push_back(difference);
+      labels.labels[lines.pixel(line, beam)] = memory.labels.labels[kept.pixel(of, beam)];
     }
-    const float farthest = differences.empty() ? 0.0F : kMostApart * quantile(differences, 0.5);
-    for (int beam = 0; beam < lines.beams(); ++beam) {
-      const bool same = memory.kept[of] == line || differenceAt(beam) <= farthest;  // not where there is no range
-      labels.labels[lines.pixel(line, beam)] = same ? memory.labels.labels[kept.pixel(of, beam)] : 0;
-    }
+    if (memory.kept[of] != line) clearOthers(lines, line, kept, of, memory, labels);
   }
 }
 

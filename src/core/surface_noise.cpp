@@ -12,15 +12,16 @@
 namespace ppc {
 namespace {
 
-constexpr int kMinPoints = 8;                                  // of a patch
-constexpr float kLeastVariance = 1.6F, kMostVariance = 30.0F;  // over the typical one
-constexpr float kAlike = 2.5F;                                 // factor up to which the variances of two patches are alike
-constexpr double kAlikeShare = 0.6;                            // of the patches around
+constexpr int kMinPoints = 8;  // of a patch
+constexpr auto kLeastVariance = static_cast<float>(NoiseModel::kLeastFactor * NoiseModel::kLeastFactor);
+constexpr float kMostVariance = 30.0F;  // over the typical one
+constexpr float kAlike = 2.5F;          // factor up to which the variances of two patches are alike
+constexpr double kAlikeShare = 0.6;     // of the patches around
 constexpr int kFewestAlike = 5;
 constexpr int kFewestBeside = 2;       // patches with more than the typical noise
 constexpr int kRings = 2;              // of patches around one
 constexpr int kGrowth = 2;             // steps into patches beside
-constexpr int kFewestPatches = 12;     // that hang together
+constexpr int kFewestPatches = 18;     // that hang together
 constexpr double kWhite = 0.6;         // of the variance that second differences must show
 constexpr int kFewestDifferences = 4;  // of a patch
 

@@ -64,6 +64,24 @@ TEST_F(Allocations, FromRangesToPolygonsAreNoneAfterTheFirstFrame) {
   for (int k = 1; k < 4; ++k) EXPECT_EQ(allocationsOf(frame), 0) << "in frame " << k;
 }
 
+// A cloud in which the motor waits, and half of what is seen is dark.
+TEST_F(Allocations, OfWaitingMotorsAndDarkSurfacesAreNoneAfterTheFirstFrame) {
+  RangeImage image = image_;
+  for (int r = 60; r < 80; ++r) image.line_poses[r] = image.line_poses[60];
+  toBeamGrid(image, columns_, grid_);
+  grid_.beams_exact = false;
+  grid_.range.assign(grid_.range.size(), kNoRange);
+  scan({wall({-1.0, 0.1, 0.0}, -3.0), wall({0.0, 0.0, 1.0}, -0.6)}, grid_);
+  Normal normal(1);
+  for (int i = 0; i < grid_.size(); ++i)
+    grid_.range[i] += static_cast<float>((i % grid_.cols < 80 ? 0.03 : 0.01) * normal());
+  const auto frame = [&] { segment(grid_, config_, memory_, result_); };
+  frame();
+  ASSERT_EQ(memory_.standing.grid.rows, grid_.rows - 19);
+  ASSERT_EQ(memory_.surface_noise.pixels.size(), memory_.standing.grid.range.size());
+  for (int k = 1; k < 4; ++k) EXPECT_EQ(allocationsOf(frame), 0) << "in frame " << k;
+}
+
 class PolygonAllocations : public Allocations {
  protected:
   PolygonAllocations() {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -134,6 +135,35 @@ TEST(StandingLines, HaveTheLabelsOfTheLineThatStandsForThem) {
   EXPECT_LT(without,
             40);  // of 47 lines that are left out, one point of 200 000 is so far off by noise; and where walls meet
   for (int c = 0; c < kCols; ++c) EXPECT_EQ(labels.labels[room.grid.index(30, c)], memory.labels.labels[kCols + c]);
+}
+
+// However the ranges of two lines that stand differ: coarse steps of them, more noise of one surface than of another.
+TEST(StandingLines, KeepLabelsOnRangesInStepsAndOnNoisySurfaces) {
+  for (const double step : {0.0, 0.01}) {
+    Room room(waits());
+    Normal normal(7);
+    for (int i = 0; i < room.grid.size(); ++i) {
+      const bool dark = i % kCols > kCols / 2;
+      const double exact = room.grid.range[i], noise = step > 0.0 ? 0.001 : dark ? 0.03 : 0.0;
+      room.grid.range[i] = static_cast<float>(exact + noise * normal());
+      if (step > 0.0) room.grid.range[i] = static_cast<float>(step * std::round((3.0 + 0.002 * normal()) / step));
+    }
+    StandingLineMemory memory;
+    ASSERT_TRUE(thinStandingLines(room.grid, memory));
+    memory.labels = LabelImage{100, kCols, std::vector<std::int32_t>(100 * kCols)};
+    for (int i = 0; i < 100 * kCols; ++i) memory.labels.labels[i] = i % kCols > kCols / 2 ? 2 : 1;
+    LabelImage labels;
+    labelStandingLines(room.grid, memory, labels);
+    for (const bool dark : {false, true}) {
+      int without = 0, all = 0;
+      for (int i = 0; i < room.grid.size(); ++i) {
+        if ((i % kCols > kCols / 2) != dark) continue;
+        ++all;
+        without += labels.labels[i] == 0 ? 1 : 0;
+      }
+      EXPECT_LT(without, 0.002 * all) << step << dark;
+    }
+  }
 }
 
 // As a file has it: points about a viewpoint at which the beams do not start.

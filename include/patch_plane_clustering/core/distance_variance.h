@@ -23,7 +23,8 @@ class DistanceVariance {
     }
   }
 
-  /// [m^2]; that of range 0 where there is none. Precondition: set(). @param pixel whose surface is that of all.
+  /// [m^2]; that of range 0 where there is none. Precondition: set(). @param pixel of the first: all are taken to be
+  /// on the same surface.
   Lanes at(Lanes range, int pixel) const {
     constexpr auto kScale = static_cast<float>(NoiseModel::kCellsPerMetre), kLast = NoiseModel::kCells - 1.0F;
     const Lanes scaled = range * kScale;

@@ -30,6 +30,8 @@ class NoiseModel {
   /// It is the same within each of so many cells of range, the last of which has no end.
   static constexpr int kCells = 4096;
   static constexpr double kCellsPerMetre = 32.0;
+  /// Surfaces of less noise than so many times the typical one are typical.
+  static constexpr double kLeastFactor = 1.265;
 
   /// Noise of a data sheet times a factor.
   NoiseModel(const SensorModel& sensor, double scale);
@@ -56,13 +58,14 @@ class NoiseModel {
   /// The standard deviation of a pixel [m]. @param range of it [m].
   double sigmaAt(int pixel, double range) const { return sigma(range) * factorAt(pixel); }
 
-  /// The standard deviation of points that moments are of [m]: where surfaces differ, their weights tell. @param range of
-  /// the points [m].
+  /// The standard deviation of points that moments are of [m]: where surfaces differ, their weights tell, if by more than
+  /// ranges that differ make of it. @param range of the points [m].
   double sigmaOf(const Moments& weighed, double range) const {
     const double typical = sigma(range);
     if (factors_ == nullptr) return typical;
     const double squares = weighed.xx + weighed.yy + weighed.zz;  // about w r^2
-    return std::max(typical, std::sqrt(weighed.n * squares) / weighed.w);
+    const double sigma = std::sqrt(weighed.n * squares) / weighed.w;
+    return sigma > kLeastFactor * typical ? sigma : typical;
   }
 
   /// Multiplies it at all ranges.

@@ -4,21 +4,28 @@
 #include "patch_plane_clustering/core/beam_grid.h"
 #include "patch_plane_clustering/core/segmentation.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace ppc {
 
 /// @brief Working memory of thinStandingLines() and labelStandingLines(), which one image after the other may use.
 struct StandingLineMemory {
-  std::vector<float> angles;       ///< between the beams of two lines, beam by beam [rad]
-  std::vector<double> steps;       ///< of every line from the one before, negative if not known [rad]
-  std::vector<double> known;       ///< those that are
-  std::vector<int> kept;           ///< lines of `grid`: their numbers in the image
-  std::vector<int> stands_for;     ///< for every line of the image: the line of `grid` that is, or stands for, it
-  bool in_columns = false;         ///< whether the lines are columns
-  std::vector<float> differences;  ///< of the ranges of two lines [m]
-  BeamGrid grid;                   ///< the image without lines that were measured while the scanner stood
-  LabelImage labels;               ///< of `grid`
+  /// Of the ranges of two lines at a pixel [m].
+  struct Difference {
+    std::int32_t label;
+    float range;
+    int pixel;
+  };
+  std::vector<float> angles;    ///< between the beams of two lines, beam by beam [rad]
+  std::vector<double> steps;    ///< of every line from the one before, negative if not known [rad]
+  std::vector<double> known;    ///< those that are
+  std::vector<int> kept;        ///< lines of `grid`: their numbers in the image
+  std::vector<int> stands_for;  ///< for every line of the image: the line of `grid` that is, or stands for, it
+  bool in_columns = false;      ///< whether the lines are columns
+  std::vector<Difference> differences;
+  BeamGrid grid;      ///< the image without lines that were measured while the scanner stood
+  LabelImage labels;  ///< of `grid`
 };
 
 /// @brief Looks in a cloud for lines, rows or columns, that were measured while the scanner stood, as most do where they
@@ -32,7 +39,7 @@ struct StandingLineMemory {
 bool thinStandingLines(const BeamGrid& grid, StandingLineMemory& memory);
 
 /// @brief Labels of the whole image from memory.labels: lines that were left out have those of the line that stands for
-/// them, where both have measured about the same range.
+/// them, where both have measured about the same range, as differences on the same surface tell.
 /// @param grid and memory as thinStandingLines() left them.
 void labelStandingLines(const BeamGrid& grid, StandingLineMemory& memory, LabelImage& labels);
 
