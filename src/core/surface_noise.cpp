@@ -5,6 +5,7 @@
 #include "patch_plane_clustering/core/quantile.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <utility>
@@ -18,19 +19,19 @@ constexpr float kMostVariance = 30.0F;  // over the typical one
 constexpr float kAlike = 2.5F;          // factor up to which the variances of two patches are alike
 constexpr double kAlikeShare = 0.6;     // of the patches around
 constexpr int kFewestAlike = 5;
-constexpr int kFewestBeside = 2;       // patches with more than the typical noise
-constexpr int kRings = 2;              // of patches around one
-constexpr int kGrowth = 2;             // steps into patches beside
-constexpr int kFewestPatches = 18;     // that hang together
-constexpr double kWhite = 0.6;         // of the variance that second differences must show
+constexpr int kFewestBeside = 2;    // patches with more than the typical noise
+constexpr int kRings = 2;           // of patches around one
+constexpr int kGrowth = 2;          // steps into patches beside
+constexpr int kFewestPatches = 12;  // that hang together
+constexpr double kWhite = 0.6;      // of what second differences tell of the variance on typical surfaces
+constexpr std::size_t kTypicalPatches = 200;
 constexpr int kFewestDifferences = 4;  // of a patch
 
 bool areAlike(float a, float b) { return a < kAlike * b && b < kAlike * a; }
 
-// Variance of a patch's noise from second differences of its residuals from line to line, in the units of its chi-square: a
-// bend hardly shows in them. Along the lines if there are less than three; negative if there are too few.
-double whiteVariance(const BeamGrid& grid, const Eigen::Vector3d& center, const Patch& patch) {
-  const bool down = patch.row_end - patch.row_begin >= 3;
+// Variance of a patch's noise from second differences of its residuals, in the units of its chi-square: from line to line,
+// or along the lines. Bends hardly show in them, nor does what goes on along them. Negative if there are too few.
+double whiteVariance(const BeamGrid& grid, const Eigen::Vector3d& center, const Patch& patch, bool down) {
   const int step = down ? grid.cols : 1;
   const double weight = patch.moments.w / (patch.moments.n * patch.range * patch.range);
   const auto residual = [&](int i) {
@@ -52,6 +53,40 @@ double whiteVariance(const BeamGrid& grid, const Eigen::Vector3d& center, const 
   return count < kFewestDifferences ? -1.0 : squares * weight / (kOfWhite * count);
 }
 
+// What second differences of patches tell of their variance, from line to line and along the lines: all of it where noise is
+// white, less along lines along which it is correlated.
+struct Whiteness {
+  std::array<double, 2> sums = {};       // along, down
+  std::array<double, 2> variances = {};  // of those that have such differences
+
+  void add(const BeamGrid& grid, const Eigen::Vector3d& center, const Patch& patch, double of_patch) {
+    for (const bool down : {false, true}) {
+      const double white = whiteVariance(grid, center, patch, down);
+      if (white < 0.0) continue;
+      sums[down ? 1 : 0] += white;
+      variances[down ? 1 : 0] += of_patch;
+    }
+  }
+  // At most that of white noise: there are typical patches without any noise.
+  double share(bool down) const {
+    const std::size_t k = down ? 1 : 0;
+    return variances[k] > 0.0 ? std::min(1.0, sums[k] / variances[k]) : 1.0;
+  }
+  bool isAsOf(const Whiteness& typical) const {
+    return share(false) > kWhite * typical.share(false) && share(true) > kWhite * typical.share(true);
+  }
+};
+
+// That of patches with about the typical noise, some of them.
+Whiteness typicalWhiteness(const BeamGrid& grid, const PatchGrid& patches, const std::vector<float>& variance) {
+  Whiteness typical;
+  const std::size_t stride = std::max<std::size_t>(1, variance.size() / kTypicalPatches);
+  for (std::size_t k = 0; k < variance.size(); k += stride) {
+    if (variance[k] > 0.5F && variance[k] < 1.5F) typical.add(grid, patches.center, patches.patches[k], variance[k]);
+  }
+  return typical;
+}
+
 // Lists a patch and those within kRings steps of it.
 void lookAround(const PatchGrid& patches, int index, std::vector<int>& around) {
   around.assign(1, index);
@@ -67,7 +102,7 @@ void lookAround(const PatchGrid& patches, int index, std::vector<int>& around) {
 
 // Noise at a patch over the typical one; 1 unless the patches around tell it.
 float factorAt(const BeamGrid& grid, const PatchGrid& patches, int index, const std::vector<float>& variance,
-               SurfaceNoiseMemory::Work& work) {
+               const Whiteness& typical, SurfaceNoiseMemory::Work& work) {
   const float own = variance[index];
   if (!(own > kLeastVariance) || own > kAlike * kMostVariance) return 1.0F;
   int beside = 0;
@@ -85,15 +120,11 @@ float factorAt(const BeamGrid& grid, const PatchGrid& patches, int index, const 
   if (alike < kFewestAlike || alike < kAlikeShare * known) return 1.0F;
   const float found = quantile(work.variance, 0.5);
   if (!(found > kLeastVariance) || found > kMostVariance) return 1.0F;
-  double all = 0.0, white = 0.0;
+  Whiteness whiteness;
   for (const int j : work.around) {
-    if (!areAlike(variance[j], own)) continue;
-    const double of_white = whiteVariance(grid, patches.center, patches.patches[j]);
-    if (of_white < 0.0) continue;
-    all += variance[j];
-    white += of_white;
+    if (areAlike(variance[j], own)) whiteness.add(grid, patches.center, patches.patches[j], variance[j]);
   }
-  return white > kWhite * all ? std::sqrt(found) : 1.0F;
+  return whiteness.isAsOf(typical) ? std::sqrt(found) : 1.0F;
 }
 
 // The median factor of the patches beside a patch that have one, or 1.
@@ -140,8 +171,9 @@ bool adaptToSurfaces(const BeamGrid& grid, PatchGrid& patches, NoiseModel& noise
       variance[k] = known ? static_cast<float>(patch.fit.chi2 / (patch.moments.n - 3)) : 0.0F;
     }
   });
+  const Whiteness typical = typicalWhiteness(grid, patches, variance);
   forEachRange(threads, count, memory.workers, [&](int begin, int end, SurfaceNoiseMemory::Work& work) {
-    for (int k = begin; k < end; ++k) factor[k] = factorAt(grid, patches, k, variance, work);
+    for (int k = begin; k < end; ++k) factor[k] = factorAt(grid, patches, k, variance, typical, work);
   });
   if (!dropScraps(patches, memory)) return false;
   for (int step = 0; step < kGrowth; ++step) {

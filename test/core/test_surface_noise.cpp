@@ -122,6 +122,21 @@ TEST(SurfaceNoise, IsNotMadeOfLeaves) {
   EXPECT_FALSE(Adapted(grid).any);
 }
 
+// Steps seen from afar, several in each patch: from line to line they look like noise, along the lines they do not.
+TEST(SurfaceNoise, IsNotMadeOfStairs) {
+  BeamGrid grid = forwardBeams(160, 240, 0.25 * kDegree);
+  scan({wall({-1.0, 0.0, 0.0}, -3.0)}, grid);
+  for (int i = 0; i < grid.size(); ++i) {
+    if (i % grid.cols > 120 && i / grid.cols % 3 == 0) grid.range[i] += 0.05F;
+  }
+  addNoise(grid, kSigma);
+  const Adapted adapted(grid);
+  int rough = 0;
+  for (const Patch& patch : adapted.patches.patches) rough += patch.fit.chi2 > 2.0 * (patch.moments.n - 3) ? 1 : 0;
+  EXPECT_GT(rough, 300);  // or there would be nothing to tell apart
+  EXPECT_FALSE(adapted.any);
+}
+
 TEST(SurfaceNoise, DoesNotDependOnThreads) {
   const TwoWalls walls(3.0 * kSigma);
   const Adapted one(walls.grid), three(walls.grid, kSigma, 3);

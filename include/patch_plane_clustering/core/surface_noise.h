@@ -27,10 +27,10 @@ struct SurfaceNoiseMemory {
 /// weighs the patches there accordingly.
 ///
 /// The residuals of one patch do not tell noise from an edge or a bend. Those of a surface do: patch after patch they are of
-/// about the same size, whereas edges leave residuals of all sizes; and they change from line to line as white noise does,
-/// whereas those of a bend are smooth. Where most patches around one are like it, the median of these is the noise there, if
-/// enough such patches hang together. It goes on into patches beside that the typical noise does not explain: part of the
-/// surface may be in them.
+/// about the same size, whereas edges leave residuals of all sizes; and they change from line to line and along the lines as
+/// those of typical surfaces do, whereas those of a bend are smooth both ways, and those of stairs along them. Where most
+/// patches around one are like it, the median of these is the noise there, if enough such patches hang together. It goes on
+/// into patches beside that the typical noise does not explain: part of the surface may be in them.
 /// @param patches weighed by `noise`; those on such surfaces are weighed anew, their gates are left to the caller.
 /// @param noise given the factors of pixels, if any differ, which are kept in `memory` (NoiseModel::setFactors()).
 /// @return whether any surface differs.
