@@ -28,6 +28,9 @@ constexpr int kFewPatches = 2000;  // not worth a second thread
 // Of the seeds, so many are sorted at a time: what is no worse than the pivot of a sample.
 constexpr std::ptrdiff_t kFewSeeds = 256, kSampledSeeds = 128, kPivotRank = 4;
 
+// Noise of a patch's ranges, on whatever surface it lies.
+double sigmaOf(const Patch& patch, const NoiseModel& noise) { return noise.sigma(patch.range) * patch.noise_factor; }
+
 double excess(const Moments& a, const PlaneFit& fit_a, const Moments& b, const PlaneFit& fit_b) {
   return fitPlane(a + b).chi2 - fit_a.chi2 - fit_b.chi2;
 }
@@ -40,7 +43,7 @@ double plainSimilarity(const Patch& from, const PlaneFit& cluster, const Patch& 
     return fixedSimilarity(comparison.running_plane ? cluster.a : from.fit.a, patch.fit.a, border, tolerance);
   }
   const PlaneFit joint = fitPlane(from.moments + patch.moments);
-  const double sigma = noise.sigma(patch.range) * patch.noise_factor;
+  const double sigma = sigmaOf(patch, noise);
   const double precision = std::min(patch.moments.n, from.moments.n) / (sigma * sigma);
   return similarity(joint.chi2 - from.fit.chi2 - patch.fit.chi2, precision, patch.moments.radius(),
                     secantSquared(joint.a, patch.range), tolerance.forNoise(sigma));
@@ -57,13 +60,13 @@ bool isFlat(const Moments& m, const PlaneFit& fit, double range, double sigma, c
 void weigh(const NoiseModel& noise, const PatchGrid& grid, Patch& patch) {
   patch.noise_factor =
       noise.factorAt((patch.row_begin + patch.row_end) / 2 * grid.cols + (patch.col_begin + patch.col_end) / 2);
-  const double sigma = noise.sigma(patch.range) * patch.noise_factor;
+  const double sigma = sigmaOf(patch, noise);
   patch.weigh(sigma * sigma);
 }
 
 void gate(const NoiseModel& noise, const CoplanarityTolerance& tolerance, Patch& patch) {
   patch.planar = patch.moments.n >= std::max(kMinPatchPoints, patch.pixels() / 3) &&
-                 isFlat(patch.moments, patch.fit, patch.range, noise.sigma(patch.range) * patch.noise_factor, tolerance);
+                 isFlat(patch.moments, patch.fit, patch.range, sigmaOf(patch, noise), tolerance);
 }
 
 // Finds the surroundings of those patches in [begin, end) that are to be asked together with them.
@@ -75,7 +78,7 @@ void measureSurroundings(const PatchGrid& grid, const NoiseModel& noise, const C
   for (int i = begin; i < end; ++i) {
     if (memory.kind[i] != kUncertain) continue;
     const Patch& patch = grid.patches[i];
-    const double sigma = noise.sigma(patch.range) * patch.noise_factor;
+    const double sigma = sigmaOf(patch, noise);
     const double uncertainty =
         sigma * std::sqrt(tolerance.inflation / (patch.moments.n * secantSquared(patch.fit.a, patch.range)));
     const double distance = tolerance.forNoise(sigma).sigma_distance;
@@ -153,8 +156,7 @@ void measurePatches(const PatchGrid& grid, const NoiseModel& noise, const Coplan
       memory.around_of[i] = out.cluster_of[i] = -1;
       if (!patch.planar) continue;
       roughness.add(grid, i);
-      const double radius = patch.moments.radius(), sigma = noise.sigma(patch.range) * patch.noise_factor,
-                   n = patch.moments.n;
+      const double radius = patch.moments.radius(), sigma = sigmaOf(patch, noise), n = patch.moments.n;
       const double distance = tolerance.forNoise(sigma).sigma_distance, turned = tolerance.sigma_angle * radius;
       memory.radius[i] = radius;
       memory.precision[i] = n / (sigma * sigma) * (distance * distance + turned * turned);
@@ -278,7 +280,7 @@ void growClusters(const PatchGrid& grid, const NoiseModel& noise, const Coplanar
                    !plane.surelySuits(patch.moments, patch.fit,
                                       noise_misfit + memory.precision[j] * secantSquared(plane.about(), patch.range),
                                       greatest)) {
-          const double sigma = noise.sigma(patch.range) * patch.noise_factor;
+          const double sigma = sigmaOf(patch, noise);
           const CoplanarityTolerance local = tolerance.forNoise(sigma);
           const double points = std::min(patch.moments.n, plane.moments().n);
           if (!plane.suits({patch.moments, patch.fit, radius[j], patch.range, sigma, points}, local, greatest)) return;
