@@ -20,14 +20,15 @@ std::vector<double> solveDifferences(const std::vector<LineDifference>& differen
     Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
     for (int k = 0; k < count; ++k) entries.emplace_back(k, k, 1.0 / std::max(1e-12, error * error));
     for (const LineDifference& d : differences) {
-      const double rest = solved[d.line] - d.before * solved[d.line - 1] - d.after * solved[d.line + 1] - d.value;
+      const double rest =
+          solved[d.line] - d.before * solved[d.line - d.reach] - d.after * solved[d.line + d.reach] - d.value;
       const double trust = round > 0 ? 1.0 / (1.0 + rest * rest / (kRobust * kRobust * d.variance)) : 1.0;
       const double weight = trust / d.variance;
       const double factors[3] = {-d.before, 1.0, -d.after};
       for (int i = 0; i < 3; ++i) {
-        right[d.line - 1 + i] += weight * factors[i] * d.value;
+        right[d.line + (i - 1) * d.reach] += weight * factors[i] * d.value;
         for (int j = 0; j < 3; ++j) {
-          entries.emplace_back(d.line - 1 + i, d.line - 1 + j, weight * factors[i] * factors[j]);
+          entries.emplace_back(d.line + (i - 1) * d.reach, d.line + (j - 1) * d.reach, weight * factors[i] * factors[j]);
         }
       }
     }

@@ -27,13 +27,16 @@ constexpr int kRounds = 3;             // of turning lines: each makes slopes be
 constexpr int kDriftLines = 8;         // to either side: slower changes of tilt are left alone
 // Where tilts come in steps, only the lines beside a step are off against their neighbours, so many tell how much:
 constexpr double kStepShare = 0.85;
-constexpr double kStepQuantile = 1.44;   // of that many absolute values of a normal distribution
-constexpr double kLeastShare = 0.5;      // of line errors, over the noise of single ranges
-constexpr double kLeastError = 0.001;    // [m]
-constexpr double kSignificance = 4.0;    // over what noise alone makes of a misfit
-constexpr double kOutlier = 5.0;         // lines off by more, in standard deviations, lie on a crease of the scene
-constexpr double kLeastDeviation = 0.1;  // of a turn, over those that there are: slopes are known that well
-constexpr double kMostLeft = 0.75;       // of what sloped beams are off, if turned lines are worth it
+constexpr double kStepQuantile = 1.44;      // of that many absolute values of a normal distribution
+constexpr double kLeastShare = 0.35;        // of line errors, over the noise of single ranges
+constexpr double kLeastError = 0.001;       // [m]
+constexpr double kSignificance = 4.0;       // over what noise alone makes of a misfit
+constexpr double kOutlier = 5.0;            // lines off by more, in standard deviations, lie on a crease of the scene
+constexpr double kLeastDeviation = 0.1;     // of a turn, over those that there are: slopes are known that well
+constexpr int kReaches[] = {1, 4, 16, 40};  // lines to either side that tell of errors of range
+constexpr double kBent = 0.15;              // of single beams' noise: what planes of the scene are bent from line to line
+constexpr double kMostLeft = 0.75;          // of what sloped beams are off, if turned lines are worth it
+constexpr double kMostLeftByTurns = 0.95;   // if they are turned instead of being moved
 
 // One of the errors that lines may have.
 using Component = LineFit LineMisfit::*;
@@ -127,10 +130,43 @@ void addBack(const LineErrors& taken, std::vector<LineMisfit>& misfits) {
   }
 }
 
+// Solves errors of range anew, from what lines tell of each other that are farther and farther apart: the better errors are
+// known, the clearer it is which beams meet the same plane.
+void solveWide(const BeamGrid& grid, double error, LineErrors& errors, LineErrorMemory& memory, int threads) {
+  std::vector<double>& spreads = memory.spreads;
+  spreads.clear();
+  for (const LineMisfit& m : memory.misfits) {
+    if (m.range.samples >= kMinSamples) spreads.push_back(m.spread);
+  }
+  const double spread = median(spreads);
+  const int count = static_cast<int>(errors.range.size());
+  std::vector<LineDifference> differences;
+  for (const int reach : kReaches) {
+    if (2 * reach >= count) break;
+    removeLineErrors(errors, grid, memory.corrected);
+    const GridLines lines(memory.corrected, errors.in_columns);
+    memory.wide.assign(static_cast<std::size_t>(count), LineMisfit());
+    const auto measure = [&](int begin, int end, WideMisfitMemory& scratch) {
+      for (int k = reach + begin; k < reach + end; ++k) memory.wide[k] = measureWideMisfit(lines, k, reach, spread, scratch);
+    };
+    forEachRange(threads, count - 2 * reach, memory.wide_of_thread, measure);
+    const double bent = kBent * spread * std::sqrt(static_cast<double>(reach));
+    for (int k = reach; k + reach < count; ++k) {
+      const LineMisfit& m = memory.wide[k];
+      if (m.range.samples < kMinSamples || std::abs(m.range.value) > error) continue;
+      const double taken = errors.range[k] - m.before * errors.range[k - reach] - m.after * errors.range[k + reach];
+      const double variance = m.range.deviation * m.range.deviation + bent * bent;
+      differences.push_back({k, m.before, m.after, m.range.value + taken, variance, reach});
+    }
+    errors.range = solveDifferences(differences, count, error, false);
+  }
+}
+
 LineErrors errorsOf(const BeamGrid& grid, bool in_columns, LineErrorKind kind, LineErrorMemory& memory, int threads) {
   LineErrors errors;
   errors.in_columns = in_columns;
   BeamGrid& corrected = memory.corrected;
+  double range_error = 0.0;
   for (int round = 0; round < (kind == LineErrorKind::kRange ? 1 : kRounds); ++round) {
     if (round > 0) removeLineErrors(errors, grid, corrected);
     measureMisfits(GridLines(round > 0 ? corrected : grid, in_columns), kind, 1, memory, threads);
@@ -139,6 +175,7 @@ LineErrors errorsOf(const BeamGrid& grid, bool in_columns, LineErrorKind kind, L
       const LineNoise noise = measureNoise(kRange, memory);
       if (!noise.significant) return errors;
       errors.range = solveErrors(memory.misfits, kRange, noise);
+      range_error = noise.error;
     }
     if (kind != LineErrorKind::kRange) {
       const LineNoise noise = measureNoise(kTurn, memory);
@@ -146,6 +183,7 @@ LineErrors errorsOf(const BeamGrid& grid, bool in_columns, LineErrorKind kind, L
       errors.turn = withoutDrift(solveErrors(memory.misfits, kTurn, noise));
     }
   }
+  if (!errors.range.empty()) solveWide(grid, range_error, errors, memory, threads);
   return errors;
 }
 
@@ -187,7 +225,8 @@ LineErrors estimateAlong(const BeamGrid& grid, bool in_columns, LineErrorMemory&
   const LineErrors turns = errorsOf(grid, in_columns, kind, memory, threads);
   if (turns.turn.empty()) return ranges;
   const double left = leftOf(turns, grid, stride, memory, threads);
-  return left < kMostLeft * leftOf(ranges, grid, stride, memory, threads) ? turns : ranges;
+  const double most_left = kind == LineErrorKind::kTurn && !ranges.empty() ? kMostLeftByTurns : kMostLeft;
+  return left < most_left * leftOf(ranges, grid, stride, memory, threads) ? turns : ranges;
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace ppc {
 namespace {
 
 constexpr int kRounds = 3;                // of fitting one error given the other
-constexpr double kMedianLoss = 1.2533;    // standard deviation of a median over that of a mean
+constexpr int kBeamsThatMove = 16;        // of which the one is taken that moves most
 constexpr float kLeastMotion = 0.1F;      // of a beam, over that of the beam that moves most
 constexpr double kClearSlope = 3.0;       // over its own noise: a smaller one would explain noise by turns without end
 constexpr float kMaxRelativeBend = 0.5F;  // of the surface over the lines that a slope is taken from, over the slope,
@@ -75,19 +75,6 @@ void clearNoisySlopes(double angle, std::vector<LineSample>& samples, std::vecto
   }
 }
 
-// Weights with which the two lines beside predict a line that need not lie in the middle.
-void weighNeighbours(const GridLines& lines, int line, LineMisfit& misfit) {
-  const auto angle = [&](int k) {
-    const int beam = lines.beams() / 2;
-    const Eigen::Vector3f a = lines.direction(k, beam), b = lines.direction(k + 1, beam);
-    return static_cast<double>(std::atan2(a.cross(b).norm(), a.dot(b)));
-  };
-  const double back = angle(line - 1), on = angle(line);
-  if (!(back + on > 0.0)) return;
-  misfit.before = on / (back + on);
-  misfit.after = back / (back + on);
-}
-
 void sampleLine(const GridLines& lines, int line, const GridLines::Span& span, bool turns, int beams,
                 const LineMisfit& misfit, std::vector<LineSample>& samples) {
   const BeamGrid& grid = lines.grid();
@@ -109,6 +96,21 @@ void sampleLine(const GridLines& lines, int line, const GridLines::Span& span, b
 
 }  // namespace
 
+void weighNeighbours(const GridLines& lines, int line, int reach, LineMisfit& misfit) {
+  const auto angle = [&](int k, int beam) {
+    const Eigen::Vector3f a = lines.direction(k, beam), b = lines.direction(k + reach, beam);
+    return static_cast<double>(std::atan2(a.cross(b).norm(), a.dot(b)));
+  };
+  double most = 0.0;  // beams near the axis tell nothing
+  for (int beam = 0; beam < lines.beams(); beam += std::max(1, lines.beams() / kBeamsThatMove)) {
+    const double back = angle(line - reach, beam), on = angle(line, beam);
+    if (!(back + on > most)) continue;
+    most = back + on;
+    misfit.before = on / most;
+    misfit.after = back / most;
+  }
+}
+
 LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kind, int beams, LineMisfitMemory& memory) {
   std::vector<LineSample>& samples = memory.samples;
   std::vector<float>& scratch = memory.numbers;
@@ -116,7 +118,7 @@ LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kin
   LineMisfit misfit;
   const GridLines::Span span = lines.spanAround(line);
   if (turns && !(span.angle > 0.0)) return misfit;
-  if (!turns) weighNeighbours(lines, line, misfit);  // else the fit itself tells where the line lies between the two
+  if (!turns) weighNeighbours(lines, line, 1, misfit);  // else the fit itself tells where the line lies between the two
   sampleLine(lines, line, span, turns, beams, misfit, samples);
   misfit.range.samples = static_cast<int>(samples.size());
   if (samples.empty()) return misfit;

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 namespace ppc {
@@ -59,6 +60,37 @@ TEST(EstimateLineErrors, FindsWhatTheBeamsOfALineShare) {
   EXPECT_NEAR(rms(truth), 0.02, 0.003);
   EXPECT_LT(rms(left), 0.008);   // slow changes remain
   EXPECT_LT(rms(jumps), 0.003);  // steps from line to line do not
+}
+
+// What is left of errors, but for their mean.
+std::vector<double> leftOf(const std::vector<double>& truth, const std::vector<double>& found) {
+  std::vector<double> left;
+  for (std::size_t r = 0; r < truth.size(); ++r) left.push_back(truth[r] - found[r]);
+  const double mean = std::accumulate(left.begin(), left.end(), 0.0) / static_cast<double>(left.size());
+  for (double& v : left) v -= mean;
+  return left;
+}
+
+TEST(EstimateLineErrors, FindsSlowChangesFromLinesFartherOff) {
+  BeamGrid grid = room();
+  const std::vector<double> truth = addLineErrors(0.03, grid);
+  const LineErrors found = estimateLineErrors(grid);
+  ASSERT_EQ(found.range.size(), truth.size());
+  EXPECT_LT(rms(leftOf(truth, found.range)), 0.004);  // 0.0075 from neighbours alone
+}
+
+// A beam below the ceiling crosses part of the image: where its edges are, many beams are off against the lines beside it.
+TEST(EstimateLineErrors, IsNotMisledByEdgesAlongTheLines) {
+  BeamGrid grid = forwardBeams(kRows, kCols, kStep);
+  const auto beam = [](const Eigen::Vector3d& p) { return p.y() > 0.3 && p.x() > 2.59 && p.z() > 0.19 && p.z() < 0.4; };
+  scan({wall({-1.0, 0.2, 0.0}, -3.0), wall({0.0, 0.0, 1.0}, -0.7), surfaceOf({{{-1.0, 0.0, 0.0}, -2.6}, beam}),
+        surfaceOf({{{0.0, 0.0, -1.0}, -0.2}, beam})},
+       grid);
+  addNoise(grid, kSigma);
+  const std::vector<double> truth = addLineErrors(0.02, grid);
+  const LineErrors found = estimateLineErrors(grid);
+  ASSERT_EQ(found.range.size(), truth.size());
+  EXPECT_LT(rms(leftOf(truth, found.range)), 0.005);
 }
 
 void setDirection(const Eigen::Vector3f& direction, int i, BeamGrid& grid) {

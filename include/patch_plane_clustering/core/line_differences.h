@@ -5,11 +5,12 @@
 
 namespace ppc {
 
-/// @brief What is known of a line's error less the weighted ones of the lines beside it.
+/// @brief What is known of a line's error less the weighted ones of the lines beside it, or farther off.
 struct LineDifference {
-  int line;              ///< neither the first nor the last
+  int line;              ///< neither the first nor the last, nor as near to them as `reach`
   double before, after;  ///< weights
   double value, variance;
+  int reach = 1;  ///< lines to those before and after
 };
 
 /// @brief Errors of `count` lines from their differences, by least squares: what each difference leaves unexplained is

@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/beam_grid.h"
 #include "patch_plane_clustering/core/line_misfit.h"
+#include "patch_plane_clustering/core/wide_misfit.h"
 
 #include <vector>
 
@@ -22,6 +23,8 @@ struct LineErrors {
 struct LineErrorMemory {
   std::vector<LineMisfit> misfits;          ///< of each line
   std::vector<LineMisfitMemory> of_thread;  ///< one a thread
+  std::vector<LineMisfit> wide;             ///< of each line, against lines farther off
+  std::vector<WideMisfitMemory> wide_of_thread;
   std::vector<double> sizes, spreads, deviations, slopes, uneven;
   BeamGrid corrected;
 };
@@ -32,7 +35,8 @@ struct LineErrorMemory {
 /// On a plane inverse range is linear in the direction of the beam, so each line is predicted by the two beside it. What its
 /// beams are off follows a line's error of range alike, and one of tilt in proportion to the slope of range over tilt;
 /// both are fitted robustly. From these differences the errors follow by least squares, but for slow changes from line to
-/// line, which cannot be told from the shape of the scene. Errors smaller than the noise of single ranges do no harm and are
+/// line, which cannot be told from the shape of the scene. Those of range are made out over up to 40 lines to either side
+/// (measureWideMisfit()). Errors smaller than the noise of single ranges do no harm and are
 /// left alone; so are images that were not taken line by line (range cameras). Lines are the rows of a range image; those of
 /// a cloud are its rows or, if these show no errors, its columns.
 LineErrors estimateLineErrors(const BeamGrid& grid, LineErrorMemory& memory, int threads = 1);

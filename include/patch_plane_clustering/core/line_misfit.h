@@ -18,7 +18,8 @@ struct LineFit {
   int samples = 0;         ///< beams that tell of it
 };
 
-/// @brief What a line is off against the two beside it: its own error less the weighted ones of theirs.
+/// @brief What a line is off against two others, one before and one after it: its own error less the weighted ones of
+/// theirs.
 struct LineMisfit {
   double before = 0.5, after = 0.5;  ///< weights of the two
   LineFit range;                     ///< error of all ranges
@@ -35,6 +36,10 @@ struct LineSample {
   float slope;    ///< change of range with tilt; 0 if it is hardly more than noise [m/rad]
   float between;  ///< what the beam is said to be off the middle between the two, towards the next line [rad]
 };
+
+/// @brief Sets the weights with which the lines `reach` before and after a line predict it, wherever it lies between them.
+/// Lines of one direction leave them even. @param line at least `reach` from the first and the last.
+void weighNeighbours(const GridLines& lines, int line, int reach, LineMisfit& misfit);
 
 /// @brief Working memory of measureLineMisfit(), which one line after the other may use.
 struct LineMisfitMemory {

@@ -9,6 +9,8 @@ namespace ppc {
 
 /// Standard deviation of a normal distribution over the median of its absolute deviations.
 constexpr double kMadToSigma = 1.4826;
+/// Standard deviation of the median of many such values over that of their mean.
+constexpr double kMedianLoss = 1.2533;
 
 /// @brief Puts those values of [begin, end) first of which `first` is true. Without branches: which values go there is not
 /// foreseen by any processor. @return the end of them.
