@@ -28,7 +28,8 @@ constexpr int kDriftLines = 8;         // to either side: slower changes of tilt
 // Where tilts come in steps, only the lines beside a step are off against their neighbours, so many tell how much:
 constexpr double kStepShare = 0.85;
 constexpr double kStepQuantile = 1.44;      // of that many absolute values of a normal distribution
-constexpr double kLeastShare = 0.35;        // of line errors, over the noise of single ranges
+constexpr double kLeastShare = 0.35;        // of errors of range, over the noise of single ranges
+constexpr double kLeastTurnShare = 0.5;     // of what errors of tilt make of ranges
 constexpr double kLeastError = 0.001;       // [m]
 constexpr double kSignificance = 4.0;       // over what noise alone makes of a misfit
 constexpr double kOutlier = 5.0;            // lines off by more, in standard deviations, lie on a crease of the scene
@@ -72,8 +73,8 @@ LineNoise measureNoise(Component component, LineErrorMemory& memory, int beams =
   // Half a neighbour's error on either side adds to a line's own: 1 + 1/4 + 1/4.
   noise.error = std::sqrt(std::max(0.0, noise.misfit * noise.misfit - deviation * deviation) / 1.5);
   const double shown = component == kRange ? noise.error : noise.error * median(slopes);  // in ranges
-  noise.significant =
-      shown > share * std::max(kLeastError, kLeastShare * spread) && noise.misfit > share * kSignificance * deviation;
+  const double least = std::max(kLeastError, (component == kRange ? kLeastShare : kLeastTurnShare) * spread);
+  noise.significant = shown > share * least && noise.misfit > share * kSignificance * deviation;
   return noise;
 }
 
@@ -130,6 +131,18 @@ void addBack(const LineErrors& taken, std::vector<LineMisfit>& misfits) {
   }
 }
 
+// @param out has the size of the grid.
+void removeRangeErrors(const LineErrors& errors, const BeamGrid& grid, BeamGrid& out) {
+  const GridLines lines(grid, errors.in_columns);
+  for (int k = 0; k < lines.count(); ++k) {
+    const auto range = static_cast<float>(errors.range.empty() ? 0.0 : errors.range[k]);
+    for (int beam = 0; beam < lines.beams(); ++beam) {
+      const int i = lines.pixel(k, beam);
+      out.range[i] = grid.range[i] - range;
+    }
+  }
+}
+
 // Solves errors of range anew, from what lines tell of each other that are farther and farther apart: the better errors are
 // known, the clearer it is which beams meet the same plane.
 void solveWide(const BeamGrid& grid, double error, LineErrors& errors, LineErrorMemory& memory, int threads) {
@@ -141,9 +154,10 @@ void solveWide(const BeamGrid& grid, double error, LineErrors& errors, LineError
   const double spread = median(spreads);
   const int count = static_cast<int>(errors.range.size());
   std::vector<LineDifference> differences;
+  removeLineErrors(errors, grid, memory.corrected);
   for (const int reach : kReaches) {
     if (2 * reach >= count) break;
-    removeLineErrors(errors, grid, memory.corrected);
+    removeRangeErrors(errors, grid, memory.corrected);
     const GridLines lines(memory.corrected, errors.in_columns);
     memory.wide.assign(static_cast<std::size_t>(count), LineMisfit());
     const auto measure = [&](int begin, int end, WideMisfitMemory& scratch) {
@@ -244,16 +258,15 @@ LineErrors estimateLineErrors(const BeamGrid& grid, LineErrorMemory& memory, int
 
 void removeLineErrors(const LineErrors& errors, const BeamGrid& grid, BeamGrid& out) {
   out = grid;
+  removeRangeErrors(errors, grid, out);
+  if (errors.turn.empty()) return;
   const GridLines lines(grid, errors.in_columns);
   for (int k = 0; k < lines.count(); ++k) {
-    const auto range = static_cast<float>(errors.range.empty() ? 0.0 : errors.range[k]);
     const GridLines::Span span = lines.spanAround(k);
-    const bool turns = !errors.turn.empty() && span.angle > 0.0;
-    const auto turn = static_cast<float>(turns ? errors.turn[k] / span.angle : 0.0);
+    if (!(span.angle > 0.0)) continue;
+    const auto turn = static_cast<float>(errors.turn[k] / span.angle);
     for (int beam = 0; beam < lines.beams(); ++beam) {
       const int i = lines.pixel(k, beam);
-      out.range[i] -= range;
-      if (!turns) continue;
       const Eigen::Vector3f direction = (grid.direction(i) + turn * lines.chord(span, beam)).normalized();
       out.dir_x[i] = direction.x();
       out.dir_y[i] = direction.y();

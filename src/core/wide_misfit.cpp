@@ -12,6 +12,7 @@ namespace ppc {
 namespace {
 
 constexpr int kAlong = 4;             // beams to either side that tell the change of range along a line
+constexpr int kBeams = 320;           // of a line that are looked at
 constexpr int kSectors = 16;          // of a line
 constexpr int kMinSectors = 4;        // that tell
 constexpr int kMinBeams = 8;          // of one that tells
@@ -66,11 +67,12 @@ LineMisfit measureWideMisfit(const GridLines& lines, int line, int reach, double
   std::vector<float>&errors = memory.errors, &sectors = memory.sectors;
   sectors.clear();
   const auto farthest = static_cast<float>(kFarthest * spread);
+  const int stride = std::max(1, lines.beams() / kBeams);
   const int width = (lines.beams() + kSectors - 1) / kSectors;
   for (int sector = 0; sector < kSectors; ++sector) {
     const int begin = std::max(kAlong, sector * width), end = std::min(lines.beams() - kAlong, (sector + 1) * width);
     errors.clear();
-    for (int beam = begin; beam < end; ++beam) {
+    for (int beam = begin; beam < end; beam += stride) {
       const float error = wide.errorOf(beam);
       if (std::abs(error) < farthest) errors.push_back(error);
     }
