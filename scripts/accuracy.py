@@ -38,6 +38,7 @@ ABLATIONS = {
     'noise: fixed Gaussians (0.1 rad, 30 mm)': ['--set', 'noise_aware=false', '--set', 'sigma_angle=0.1', '--set',
                                                 'sigma_distance=0.03'],
     'noise estimate: the data sheet at x1': ['--set', 'noise_scale=1'],
+    'strays': ['--set', 'clear_strays=false'],
     'standing lines': ['--set', 'thin_standing_lines=false'],
     'noise of surfaces': ['--set', 'noise_by_surface=false'],
     'the limit of the range': ['--set', 'avoid_range_limit=false'],

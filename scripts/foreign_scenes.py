@@ -205,6 +205,23 @@ def dark(factor, spoil):
     return spoil_more
 
 
+def strays(share, spoil):
+    """So many points lie anywhere up to 8 m. They are on no face, but the truth counts them: no region can have more of a face."""
+    def spoil_more(scene, rng):
+        ranges = spoil(scene, rng)
+        stray = rng.random(ranges.shape) < share
+        ranges[stray] = numpy.round(rng.uniform(0.2, 8, stray.sum()), 3)
+        return ranges
+    return spoil_more
+
+
+def lines(sigma, spoil):
+    """All ranges of a line are off by the same."""
+    def spoil_more(scene, rng):
+        return numpy.round(spoil(scene, rng) + sigma * rng.normal(size=(scene.ranges.shape[0], 1)), 3)
+    return spoil_more
+
+
 UTM, URG = tilting(1081, 270), tilting(682, 239.8)
 
 # What the sensor sees, how it errs, the smallest true region that counts, and what baselines.yaml calls it.
@@ -219,6 +236,12 @@ SENSORS = {
     'furnished room, tilting UTM-30LX, 10 and 30 mm': (lambda rng: furnished(UTM, rng), dark(3.0, white(0.01)), 400,
                                                        'UTM-30LX x1'),
     'furnished room, tilting URG-04LX, 1 and 2.5 %': (lambda rng: furnished(URG, rng), dark(2.5, urg), 400, 'URG-04LX'),
+    'furnished room, tilting UTM-30LX, 10 mm, 5 % strays': (lambda rng: furnished(UTM, rng), strays(0.05, white(0.01, 0.001)), 400,
+                                                            'UTM-30LX x1'),
+    'furnished room, tilting URG-04LX, 1 %, 5 % strays': (lambda rng: furnished(URG, rng), strays(0.05, urg), 400, 'URG-04LX'),
+    'furnished room, tilting UTM-30LX, 10 mm, 20 mm a line': (lambda rng: furnished(UTM, rng), lines(0.02, white(0.01, 0.001)), 400,
+                                                              'UTM-30LX x1'),
+    'furnished room, tilting URG-04LX, 1 %, 20 mm a line': (lambda rng: furnished(URG, rng), lines(0.02, urg), 400, 'URG-04LX'),
     'structured light at a desk, 1.2 mm': (lambda rng: desk(pinhole(512, 512, 38), rng), white(0.0012, 0.0005), 400, None),
     'range camera, 0.5 mm': (lambda rng: room(pinhole(480, 640, 57), rng), white(0.0005), 400, None),
     'range camera, structured light': (lambda rng: room(pinhole(480, 640, 57), rng), structured_light, 400, None),

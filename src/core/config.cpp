@@ -37,6 +37,8 @@ std::vector<ConfigField> makeFields() {
                 "compare patches with the plane of the whole cluster, not only with the neighbour"),
       PPC_FIELD("noise_aware", Type::kBool, 0, 1, noise_aware,
                 "add the noise of the fits to sigma_angle and sigma_distance, not those alone"),
+      PPC_FIELD("clear_strays", Type::kBool, 0, 1, clear_strays,
+                "leave out points that lie nowhere near their neighbours, if more than 1.5 % do"),
       PPC_FIELD(
           "thin_standing_lines", Type::kBool, 0, 1, thin_standing_lines,
           "leave out lines of a cloud that are measured while the scanner waits, label them by those that stand for them"),

@@ -260,10 +260,12 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
                     std::vector<StageTime>* stages) {
   const WorkerPool::Alert alert(WorkerPool::ofProcess(), config.threads);
   StageTimer timer(stages);
+  const bool cleared = config.clear_strays && config.noise_aware && clearStrays(measured, memory.strays, config.threads);
+  const BeamGrid& points = cleared ? memory.strays.grid : measured;
   const LineErrors line_errors =
-      config.noise_aware ? estimateLineErrors(measured, memory.lines, config.threads) : LineErrors();
-  if (!line_errors.empty()) removeLineErrors(line_errors, measured, memory.corrected);
-  const BeamGrid& lines = line_errors.empty() ? measured : memory.corrected;
+      config.noise_aware ? estimateLineErrors(points, memory.lines, config.threads) : LineErrors();
+  if (!line_errors.empty()) removeLineErrors(line_errors, points, memory.corrected);
+  const BeamGrid& lines = line_errors.empty() ? points : memory.corrected;
   if (!config.thin_standing_lines || !config.noise_aware || lines.beams_exact ||
       !thinStandingLines(lines, memory.standing)) {
     clusterLines(lines, config, timer, memory, labels);

@@ -26,6 +26,7 @@
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/small_planes.h"
 #include "patch_plane_clustering/core/standing_lines.h"
+#include "patch_plane_clustering/core/strays.h"
 #include "patch_plane_clustering/core/surface_noise.h"
 
 namespace ppc {
@@ -41,6 +42,7 @@ struct FinishingMemory {
 /// @brief Working memory of clusterPatches() and segment(). Given to one image after the other, it spares them asking the
 /// system for anything, so far as they are of one size and kind; it carries nothing else from one to the next.
 struct ClusteringMemory {
+  StrayMemory strays;
   StandingLineMemory standing;
   LineErrorMemory lines;
   BeamGrid corrected;  ///< the image without errors of whole lines
