@@ -91,6 +91,10 @@ void measureMisfits(const GridLines& lines, LineErrorKind kind, int stride, Line
   forEachRange(threads, (lines.count() + stride - 1) / stride, memory.of_thread, measure);
 }
 
+bool tells(const LineFit& fit, const LineNoise& noise) {
+  return fit.samples >= kMinSamples && std::abs(fit.value) <= kOutlier * noise.misfit;
+}
+
 std::vector<double> solveErrors(const std::vector<LineMisfit>& misfits, Component component, const LineNoise& noise) {
   const int count = static_cast<int>(misfits.size());
   std::vector<LineDifference> differences;
@@ -99,7 +103,7 @@ std::vector<double> solveErrors(const std::vector<LineMisfit>& misfits, Componen
     const LineFit& fit = m.*component;
     // The motor runs evenly, more or less.
     if (component == kTurn) differences.push_back({k, m.before, m.after, -m.between, noise.uneven * noise.uneven});
-    if (fit.samples < kMinSamples || std::abs(fit.value) > kOutlier * noise.misfit) continue;
+    if (!tells(fit, noise)) continue;
     const double least = component == kTurn ? kLeastDeviation * noise.misfit : 0.0;
     differences.push_back({k, m.before, m.after, fit.value, fit.deviation * fit.deviation + least * least});
   }
@@ -145,13 +149,13 @@ void removeRangeErrors(const LineErrors& errors, const BeamGrid& grid, BeamGrid&
 
 // Solves errors of range anew, from what lines tell of each other that are farther and farther apart: the better errors are
 // known, the clearer it is which beams meet the same plane.
-void solveWide(const BeamGrid& grid, double error, LineErrors& errors, LineErrorMemory& memory, int threads) {
+void solveWide(const BeamGrid& grid, const LineNoise& noise, LineErrors& errors, LineErrorMemory& memory, int threads) {
   std::vector<double>& spreads = memory.spreads;
   spreads.clear();
   for (const LineMisfit& m : memory.misfits) {
     if (m.range.samples >= kMinSamples) spreads.push_back(m.spread);
   }
-  const double spread = median(spreads);
+  const double spread = std::max(kLeastError, median(spreads));
   const int count = static_cast<int>(errors.range.size());
   std::vector<LineDifference> differences;
   removeLineErrors(errors, grid, memory.corrected);
@@ -166,13 +170,20 @@ void solveWide(const BeamGrid& grid, double error, LineErrors& errors, LineError
     forEachRange(threads, count - 2 * reach, memory.wide_of_thread, measure);
     const double bent = kBent * spread * std::sqrt(static_cast<double>(reach));
     for (int k = reach; k + reach < count; ++k) {
-      const LineMisfit& m = memory.wide[k];
-      if (m.range.samples < kMinSamples || std::abs(m.range.value) > error) continue;
+      const LineMisfit &m = memory.wide[k], &narrow = memory.misfits[k];
+      if (m.range.samples < kMinSamples) {  // gaps everywhere; what was known stays
+        const LineFit& fit = narrow.range;
+        if (reach == 1 && tells(fit, noise)) {
+          differences.push_back({k, narrow.before, narrow.after, fit.value, fit.deviation * fit.deviation});
+        }
+        continue;
+      }
+      if (std::abs(m.range.value) > noise.error) continue;
       const double taken = errors.range[k] - m.before * errors.range[k - reach] - m.after * errors.range[k + reach];
       const double variance = m.range.deviation * m.range.deviation + bent * bent;
       differences.push_back({k, m.before, m.after, m.range.value + taken, variance, reach});
     }
-    errors.range = solveDifferences(differences, count, error, false);
+    errors.range = solveDifferences(differences, count, noise.error, false);
   }
 }
 
@@ -180,7 +191,7 @@ LineErrors errorsOf(const BeamGrid& grid, bool in_columns, LineErrorKind kind, L
   LineErrors errors;
   errors.in_columns = in_columns;
   BeamGrid& corrected = memory.corrected;
-  double range_error = 0.0;
+  LineNoise range_noise;
   for (int round = 0; round < (kind == LineErrorKind::kRange ? 1 : kRounds); ++round) {
     if (round > 0) removeLineErrors(errors, grid, corrected);
     measureMisfits(GridLines(round > 0 ? corrected : grid, in_columns), kind, 1, memory, threads);
@@ -189,7 +200,7 @@ LineErrors errorsOf(const BeamGrid& grid, bool in_columns, LineErrorKind kind, L
       const LineNoise noise = measureNoise(kRange, memory);
       if (!noise.significant) return errors;
       errors.range = solveErrors(memory.misfits, kRange, noise);
-      range_error = noise.error;
+      range_noise = noise;
     }
     if (kind != LineErrorKind::kRange) {
       const LineNoise noise = measureNoise(kTurn, memory);
@@ -197,7 +208,7 @@ LineErrors errorsOf(const BeamGrid& grid, bool in_columns, LineErrorKind kind, L
       errors.turn = withoutDrift(solveErrors(memory.misfits, kTurn, noise));
     }
   }
-  if (!errors.range.empty()) solveWide(grid, range_error, errors, memory, threads);
+  if (!errors.range.empty()) solveWide(grid, range_noise, errors, memory, threads);
   return errors;
 }
 

@@ -101,8 +101,10 @@ void weighNeighbours(const GridLines& lines, int line, int reach, LineMisfit& mi
     const Eigen::Vector3f a = lines.direction(k, beam), b = lines.direction(k + reach, beam);
     return static_cast<double>(std::atan2(a.cross(b).norm(), a.dot(b)));
   };
-  double most = 0.0;  // beams near the axis tell nothing
+  const auto valid = [&](int k, int beam) { return lines.grid().valid(lines.pixel(k, beam)); };
+  double most = 0.0;  // beams near the axis tell nothing; nor do, in clouds, those without a point
   for (int beam = 0; beam < lines.beams(); beam += std::max(1, lines.beams() / kBeamsThatMove)) {
+    if (!valid(line - reach, beam) || !valid(line, beam) || !valid(line + reach, beam)) continue;
     const double back = angle(line - reach, beam), on = angle(line, beam);
     if (!(back + on > most)) continue;
     most = back + on;

@@ -12,10 +12,11 @@ namespace ppc {
 namespace {
 
 constexpr int kAlong = 4;             // beams to either side that tell the change of range along a line
-constexpr int kBeams = 320;           // of a line that are looked at
-constexpr int kSectors = 16;          // of a line
+constexpr int kBeams = 500;           // of a line that are looked at, about
+constexpr int kSectors = 16;          // of a line, at most
 constexpr int kMinSectors = 4;        // that tell
-constexpr int kMinBeams = 8;          // of one that tells
+constexpr int kSectorBeams = 16;      // at least
+constexpr int kMinBeams = 4;          // of a sector that tells
 constexpr double kFarthest = 3.0;     // error of a beam on a plane, over the spread
 constexpr float kLeastMotion = 0.3F;  // of a beam from line to line, over that of the beam that moves most
 constexpr float kMostMotion = 0.6F;   // of that one [rad]: farther apart few beams meet the same plane
@@ -25,7 +26,10 @@ class WideLine {
  public:
   WideLine(const GridLines& lines, int line, int reach) : lines_(lines), line_(line), step_(reach * lines.lineStep()) {
     const int stride = std::max(1, lines.beams() / kSectors);
-    for (int beam = 0; beam < lines.beams(); beam += stride) motion_ = std::max(motion_, motionOf(beam));
+    for (int beam = 0; beam < lines.beams(); beam += stride) {
+      const int i = lines.pixel(line, beam);
+      if (lines.grid().valid(i - step_) && lines.grid().valid(i + step_)) motion_ = std::max(motion_, motionOf(beam));
+    }
   }
 
   float motion() const { return motion_; }
@@ -68,8 +72,8 @@ LineMisfit measureWideMisfit(const GridLines& lines, int line, int reach, double
   sectors.clear();
   const auto farthest = static_cast<float>(kFarthest * spread);
   const int stride = std::max(1, lines.beams() / kBeams);
-  const int width = (lines.beams() + kSectors - 1) / kSectors;
-  for (int sector = 0; sector < kSectors; ++sector) {
+  const int width = std::max(kSectorBeams, (lines.beams() + kSectors - 1) / kSectors);
+  for (int sector = 0; sector * width < lines.beams(); ++sector) {
     const int begin = std::max(kAlong, sector * width), end = std::min(lines.beams() - kAlong, (sector + 1) * width);
     errors.clear();
     for (int beam = begin; beam < end; beam += stride) {

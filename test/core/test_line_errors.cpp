@@ -79,6 +79,25 @@ TEST(EstimateLineErrors, FindsSlowChangesFromLinesFartherOff) {
   EXPECT_LT(rms(leftOf(truth, found.range)), 0.004);  // 0.0075 from neighbours alone
 }
 
+TEST(EstimateLineErrors, FindsThemWithFewBeamsOrManyGaps) {
+  for (const int stride : {1, 2}) {  // gaps here and there, or every second column alone
+    BeamGrid grid = room();
+    const std::vector<double> truth = addLineErrors(0.02, grid);
+    BeamGrid few = forwardBeams(kRows, kCols / stride, kStep * stride);
+    Normal normal(9);
+    for (int i = 0; i < few.size(); ++i) {
+      const int from = grid.index(i / few.cols, i % few.cols * stride);
+      few.range[i] = stride > 1 || normal.uniform() > 0.12 ? grid.range[from] : kNoRange;
+      few.dir_x[i] = grid.dir_x[from];
+      few.dir_y[i] = grid.dir_y[from];
+      few.dir_z[i] = grid.dir_z[from];
+    }
+    const LineErrors found = estimateLineErrors(few);
+    ASSERT_EQ(found.range.size(), truth.size()) << stride;
+    EXPECT_LT(rms(leftOf(truth, found.range)), 0.009) << stride;
+  }
+}
+
 // A beam below the ceiling crosses part of the image: where its edges are, many beams are off against the lines beside it.
 TEST(EstimateLineErrors, IsNotMisledByEdgesAlongTheLines) {
   BeamGrid grid = forwardBeams(kRows, kCols, kStep);

@@ -72,7 +72,50 @@ TEST(ClearStrays, LeavesImagesAloneThatHaveFew) {
   BeamGrid empty = room.grid;
   empty.range.assign(empty.range.size(), kNoRange);
   EXPECT_FALSE(clearStrays(empty, memory));
-  for (const int rows : {1, 2}) EXPECT_FALSE(clearStrays(forwardBeams(rows, 3, 0.01), memory));
+  for (const int rows : {1, 2, 4}) {  // too few to tell
+    BeamGrid few = forwardBeams(rows, 90, 0.01);
+    for (int i = 0; i < few.size(); ++i) few.range[i] = i % 3 == 0 ? 1.0F : 4.0F;
+    EXPECT_FALSE(clearStrays(few, memory));
+  }
+}
+
+// Of a floor seen at a grazing angle, all that has been measured beside its far border is nearer.
+TEST(ClearStrays, KeepsTheBordersOfWhatWasMeasured) {
+  BeamGrid grid = toBeamGrid(noddingScan(32, kCols, -0.2, 0.5, 2.3));
+  scan({wall({0.0, 0.0, 1.0}, -1.0)}, grid);
+  for (float& range : grid.range) range = range < 30.0F ? range : kNoRange;
+  const BeamGrid floor = grid;
+  Normal normal(3);
+  std::vector<char> strays(static_cast<std::size_t>(grid.size()), 0);
+  for (int i = 0; i < grid.size(); ++i) {
+    if (!grid.valid(i) || normal.uniform() > 0.05) continue;
+    grid.range[i] = static_cast<float>(0.2 + 7.0 * normal.uniform());
+    strays[i] = 1;
+  }
+  StrayMemory memory;
+  ASSERT_TRUE(clearStrays(grid, memory));
+  int lost = 0, cleared = 0;
+  for (int i = 0; i < grid.size(); ++i) {
+    if (!grid.valid(i) || memory.grid.valid(i)) continue;
+    ++cleared;
+    lost += 1 - strays[i];
+  }
+  EXPECT_GT(cleared, 200);
+  EXPECT_LT(lost, 0.02 * cleared);
+}
+
+// Structured light measures depth in steps that grow with its square; noise decides between two of them.
+TEST(ClearStrays, KeepsRangesInSteps) {
+  BeamGrid grid = forwardBeams(200, 300, 0.003);
+  scan({wall({-1.0, 0.0, 0.0}, -4.0), wall({0.0, 0.0, 1.0}, -0.7)}, grid);
+  Normal normal(3);
+  constexpr double kStep = 0.01;
+  for (int i = 0; i < grid.size(); ++i) {
+    const double cosine = grid.dir_x[i], disparity = 1.0 / (grid.range[i] * cosine) + 0.4 * kStep * normal();
+    grid.range[i] = static_cast<float>(1.0 / (kStep * std::round(disparity / kStep)) / cosine);
+  }
+  StrayMemory memory;
+  EXPECT_FALSE(clearStrays(grid, memory));
 }
 
 // A wire is as thin as a stray, but has a length.
