@@ -28,8 +28,8 @@ bool isStray(const BeamGrid& grid, const float* ranges, int row, int col) {
   const float range = ranges[i], nearest = range - limitAt(range), farthest = range + limitAt(range);
   const float before = ranges[i - 1], after = ranges[i + 1];
   if (before >= nearest && before <= farthest && after >= nearest && after <= farthest) return false;  // as most
-  std::array<int, 3> of_row{}, of_col{};                                                               // measured ones
-  int not_nearer = 0, not_farther = 0;
+  std::array<int, 3> of_row{}, of_col{};
+  int not_nearer = 0, not_farther = 0;  // of the measured ones
   for (int r = -1; r <= 1; ++r) {
     for (int c = -1; c <= 1; ++c) {
       const float other = ranges[i + r * grid.cols + c];

@@ -36,9 +36,9 @@ struct LineErrorMemory {
 /// beams are off follows a line's error of range alike, and one of tilt in proportion to the slope of range over tilt;
 /// both are fitted robustly. From these differences the errors follow by least squares, but for slow changes from line to
 /// line, which cannot be told from the shape of the scene. Those of range are made out over up to 40 lines to either side
-/// (measureWideMisfit()). Errors smaller than the noise of single ranges do no harm and are
-/// left alone; so are images that were not taken line by line (range cameras). Lines are the rows of a range image; those of
-/// a cloud are its rows or, if these show no errors, its columns.
+/// (measureWideMisfit()). Errors of less than a third of the noise of single ranges (of tilt: that make less than half of
+/// it) do no harm and are left alone; so are images that were not taken line by line (range cameras). Lines are the rows of
+/// a range image; those of a cloud are its rows or, if these show no errors, its columns.
 LineErrors estimateLineErrors(const BeamGrid& grid, LineErrorMemory& memory, int threads = 1);
 
 /// @brief The same without memory.
