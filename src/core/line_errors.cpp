@@ -84,7 +84,7 @@ void measureMisfits(const GridLines& lines, LineErrorKind kind, int stride, Line
   memory.misfits.assign(static_cast<std::size_t>(lines.count()), LineMisfit());
   const auto measure = [&](int begin, int end, LineMisfitMemory& scratch) {
     for (int n = begin; n < end; ++n) {
-      const int k = n * stride + 5 * n % stride;  // never in step with the steps of an encoder
+      const int k = sampledLine(n, stride);
       if (k > 0 && k + 1 < lines.count()) memory.misfits[k] = measureLineMisfit(lines, k, kind, beams, scratch);
     }
   };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/strays.h"
 
+#include "patch_plane_clustering/core/grid_lines.h"
 #include "patch_plane_clustering/core/parallel.h"
 
 #include <algorithm>
@@ -50,11 +51,14 @@ bool mayBeStray(const float* at) {
   return (at[-1] > farthest && at[1] > farthest) || (at[-1] < nearest && at[1] < nearest);
 }
 
-// Share of the points in the sampled rows that `is` tells to be strays.
+// Share of the points in a sample of rows that `is` tells to be strays.
 template <typename F>
-double shareOf(const BeamGrid& grid, const std::vector<int>& rows, F&& is) {
+double shareOf(const BeamGrid& grid, F&& is) {
   int points = 0, strays = 0;
-  for (const int r : rows) {
+  const int stride = std::max(1, grid.rows / kSampledRows);
+  for (int k = 0; k < grid.rows / stride; ++k) {
+    const int r = sampledLine(k, stride);
+    if (r == 0 || r + 1 >= grid.rows) continue;
     for (int c = 1; c + 1 < grid.cols; ++c) {
       const int i = grid.index(r, c);
       if (!grid.valid(i)) continue;
@@ -68,17 +72,10 @@ double shareOf(const BeamGrid& grid, const std::vector<int>& rows, F&& is) {
 }  // namespace
 
 bool clearStrays(const BeamGrid& grid, StrayMemory& memory, int threads) {
-  std::vector<int>& sampled = memory.sampled;
-  sampled.clear();
   if (std::min(grid.rows, grid.cols) < kLeastSide) return false;
-  const int stride = std::max(1, grid.rows / kSampledRows);
-  for (int k = 0; k < grid.rows / stride; ++k) {
-    const int r = k * stride + 5 * k % stride;  // in step with nothing
-    if (r > 0 && r + 1 < grid.rows) sampled.push_back(r);
-  }
-  if (shareOf(grid, sampled, [&](int, int, int i) { return mayBeStray(&grid.range[i]); }) < kLeastShare) return false;
+  if (shareOf(grid, [&](int, int, int i) { return mayBeStray(&grid.range[i]); }) < kLeastShare) return false;
   const auto is_stray = [&](int r, int c, int) { return isStray(grid, grid.range.data(), r, c); };
-  if (shareOf(grid, sampled, is_stray) < kLeastShare) return false;
+  if (shareOf(grid, is_stray) < kLeastShare) return false;
   memory.grid = grid;
   for (int round = 0; round < kRounds; ++round) {
     memory.ranges = memory.grid.range;

@@ -18,19 +18,12 @@ using namespace testing_tools;
 constexpr int kRows = 240, kCols = 541;
 constexpr double kSigma = 0.01;  // [m]
 
-// A floor, a wall ahead and one to the left, which a nodding laser sees out to its pole.
-struct Room {
-  BeamGrid grid = toBeamGrid(noddingScan(kRows, kCols, -0.9, 0.9, 2.3));
-  LabelImage truth = scan({wall({0.0, 0.0, 1.0}, -1.0), wall({-1.0, 0.1, 0.0}, -3.0), wall({0.0, -1.0, 0.0}, -2.0)}, grid);
+struct Scene {
+  BeamGrid grid;
   std::vector<char> is_stray;  // clearly; those in between are either
   std::vector<char> is_true;
 
-  explicit Room(double sigma = kSigma) {
-    for (float& range : grid.range) range = range < 20.0F ? range : kNoRange;
-    addNoise(grid, sigma);
-    is_stray.assign(grid.range.size(), 0);
-    is_true.assign(grid.range.size(), 1);
-  }
+  explicit Scene(const BeamGrid& beams) : grid(beams), is_stray(beams.range.size(), 0), is_true(beams.range.size(), 1) {}
 
   void addStrays(double share) {
     Normal normal(7);
@@ -41,6 +34,23 @@ struct Room {
       is_true[i] = 0;
       grid.range[i] = range;
     }
+  }
+};
+
+BeamGrid seenUpTo(float farthest, BeamGrid grid) {
+  for (float& range : grid.range) range = range < farthest ? range : kNoRange;
+  return grid;
+}
+
+// A floor, a wall ahead and one to the left, which a nodding laser sees out to its pole.
+struct Room : Scene {
+  explicit Room(double sigma = kSigma) : Scene(walls()) { addNoise(grid, sigma); }
+
+ private:
+  static BeamGrid walls() {
+    BeamGrid grid = toBeamGrid(noddingScan(kRows, kCols, -0.9, 0.9, 2.3));
+    scan({wall({0.0, 0.0, 1.0}, -1.0), wall({-1.0, 0.1, 0.0}, -3.0), wall({0.0, -1.0, 0.0}, -2.0)}, grid);
+    return seenUpTo(20.0F, grid);
   }
 };
 
@@ -83,22 +93,15 @@ TEST(ClearStrays, LeavesImagesAloneThatHaveFew) {
 TEST(ClearStrays, KeepsTheBordersOfWhatWasMeasured) {
   BeamGrid grid = toBeamGrid(noddingScan(32, kCols, -0.2, 0.5, 2.3));
   scan({wall({0.0, 0.0, 1.0}, -1.0)}, grid);
-  for (float& range : grid.range) range = range < 30.0F ? range : kNoRange;
-  const BeamGrid floor = grid;
-  Normal normal(3);
-  std::vector<char> strays(static_cast<std::size_t>(grid.size()), 0);
-  for (int i = 0; i < grid.size(); ++i) {
-    if (!grid.valid(i) || normal.uniform() > 0.05) continue;
-    grid.range[i] = static_cast<float>(0.2 + 7.0 * normal.uniform());
-    strays[i] = 1;
-  }
+  Scene floor(seenUpTo(30.0F, grid));
+  floor.addStrays(0.05);
   StrayMemory memory;
-  ASSERT_TRUE(clearStrays(grid, memory));
+  ASSERT_TRUE(clearStrays(floor.grid, memory));
   int lost = 0, cleared = 0;
-  for (int i = 0; i < grid.size(); ++i) {
-    if (!grid.valid(i) || memory.grid.valid(i)) continue;
+  for (int i = 0; i < floor.grid.size(); ++i) {
+    if (!floor.grid.valid(i) || memory.grid.valid(i)) continue;
     ++cleared;
-    lost += 1 - strays[i];
+    lost += floor.is_true[i];
   }
   EXPECT_GT(cleared, 200);
   EXPECT_LT(lost, 0.02 * cleared);

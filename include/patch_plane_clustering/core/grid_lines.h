@@ -5,6 +5,9 @@
 
 namespace ppc {
 
+/// @brief Number of the k-th line of a sample of one in `stride`, in step with nothing that comes again every few lines.
+inline int sampledLine(int k, int stride) { return k * stride + 5 * k % stride; }
+
 /// @brief The lines by which a grid was scanned, one after the other: its rows, or its columns. Keeps a reference to the
 /// grid.
 class GridLines {

@@ -9,7 +9,6 @@ namespace ppc {
 
 /// @brief Working memory of clearStrays(), which one image after the other may use.
 struct StrayMemory {
-  std::vector<int> sampled;   ///< rows
   std::vector<float> ranges;  ///< of one round
   BeamGrid grid;              ///< the image without strays
 };
