@@ -10,8 +10,7 @@
 namespace ppc {
 namespace {
 
-constexpr int kPart = 16;             // pixels of a fringe that are judged together, about
-constexpr double kSignificant = 3.0;  // standard deviations of their mean
+constexpr int kPart = 16;  // pixels of a fringe that are judged together, about
 
 enum Side : std::size_t { kAbove, kBelow, kBefore, kAfter };
 
@@ -31,59 +30,106 @@ void listUncovered(const RowRuns& runs, int row, int other, int cols, std::vecto
   }
 }
 
-void listFringe(const BeamGrid& grid, const PixelStretch* begin, const PixelStretch* end, FringeMemory& memory) {
+// What tells whether a part of a fringe is off a plane.
+class Jury {
+ public:
+  using Pixel = std::vector<int>::const_iterator;
+
+  Jury(const BeamGrid& grid, const FringeJudge& judge, const ErrorScale& scale)
+      : grid_(grid), judge_(judge), scale_(scale), judges_inside_(!judge.covariance.isZero()) {}
+
+  bool isOff(Pixel first, Pixel last) const {
+    double sum = 0.0;
+    for (auto i = first; i != last; ++i) sum += errorOf(*i);
+    const auto count = static_cast<double>(last - first);
+    const double variance = judge_.sigma * judge_.sigma / count + judge_.tolerance * judge_.tolerance +
+                            (judges_inside_ ? planeVarianceAt(first[(last - first) / 2]) : 0.0);
+    return std::abs(sum) > judge_.significance * count * std::sqrt(variance);
+  }
+
+ private:
+  // Across the plane, so weighted; beams see it from the side that its normal points to.
+  double errorOf(int i) const {
+    if (!grid_.valid(i)) return 0.0;
+    const double height = judge_.plane.signedDistance(grid_.point(i).cast<double>());
+    return std::clamp(height * std::sqrt(weightOf(i)), -scale_.limit, scale_.limit);
+  }
+
+  // Of a plane that goes on beyond the points that it was fitted to, weighted likewise.
+  double planeVarianceAt(int i) const {
+    if (!grid_.valid(i)) return 0.0;
+    Eigen::Vector4d derivative;
+    derivative << grid_.point(i).cast<double>(), -1.0;
+    return derivative.dot(judge_.covariance * derivative) * weightOf(i);
+  }
+
+  double weightOf(int i) const {
+    const double cosine = judge_.plane.normal.dot(grid_.direction(i).cast<double>());
+    return (1.0 + scale_.softness) / (cosine * cosine + scale_.softness);
+  }
+
+  const BeamGrid& grid_;
+  const FringeJudge& judge_;
+  const ErrorScale& scale_;
+  bool judges_inside_;
+};
+
+}  // namespace
+
+Fringe::Fringe(const BeamGrid& grid, const PixelStretch* begin, const PixelStretch* end, FringeMemory& memory)
+    : grid_(grid), memory_(memory) {
   memory.runs.clear();
   for (const PixelStretch* block = begin; block != end; ++block) appendRun({1, block->begin, block->end}, memory.runs);
   cutAtRows(memory.runs, grid.rows, grid.cols, memory.rows);
-  for (std::vector<int>& side : memory.fringe) side.clear();
+  for (std::vector<int>& side : memory.sides) side.clear();
   if (memory.runs.empty()) return;
   const int last = (memory.runs.back().end - 1) / grid.cols;
   for (int r = memory.runs.front().begin / grid.cols; r <= last; ++r) {
-    listUncovered(memory.rows, r, r - 1, grid.cols, memory.fringe[kAbove]);
-    listUncovered(memory.rows, r, r + 1, grid.cols, memory.fringe[kBelow]);
+    listUncovered(memory.rows, r, r - 1, grid.cols, memory.sides[kAbove]);
+    listUncovered(memory.rows, r, r + 1, grid.cols, memory.sides[kBelow]);
     for (const LabelRun* run = memory.rows.begin(r); run != memory.rows.end(r); ++run) {
-      memory.fringe[kBefore].push_back(grid.index(r, run->begin));
-      memory.fringe[kAfter].push_back(grid.index(r, run->end - 1));
+      memory.sides[kBefore].push_back(grid.index(r, run->begin));
+      memory.sides[kAfter].push_back(grid.index(r, run->end - 1));
     }
   }
 }
 
-}  // namespace
+const std::vector<PixelStretch>& Fringe::all() {
+  memory_.pixels.clear();
+  for (const std::vector<int>& side : memory_.sides) {
+    memory_.pixels.insert(memory_.pixels.end(), side.begin(), side.end());
+  }
+  return joinPixels();
+}
 
-const std::vector<PixelStretch>& offFringe(const BeamGrid& grid, const PixelStretch* begin, const PixelStretch* end,
-                                           const Plane& plane, double sigma, const ErrorScale& scale, FringeMemory& memory) {
-  listFringe(grid, begin, end, memory);
-  const auto error = [&](int i) {  // across the plane, so weighted; beams see it from the side that its normal points to
-    if (!grid.valid(i)) return 0.0;
-    const double cosine = plane.normal.dot(grid.direction(i).cast<double>());
-    const double height = plane.signedDistance(grid.point(i).cast<double>());
-    const double weighted = height * std::sqrt((1.0 + scale.softness) / (cosine * cosine + scale.softness));
-    return std::clamp(weighted, -scale.limit, scale.limit);
-  };
-  std::vector<int>& off = memory.off;
-  off.clear();
-  for (const std::vector<int>& side : memory.fringe) {
-    const int count = static_cast<int>(side.size()), parts = (count + kPart - 1) / kPart;
-    for (int k = 0; k < parts; ++k) {
-      const auto first = side.begin() + partBegin(count, parts, k), last = side.begin() + partBegin(count, parts, k + 1);
-      double sum = 0.0;
-      for (auto i = first; i != last; ++i) sum += error(*i);
-      if (std::abs(sum) > kSignificant * sigma * std::sqrt(static_cast<double>(last - first))) {
-        off.insert(off.end(), first, last);
+const std::vector<PixelStretch>& Fringe::off(std::initializer_list<FringeJudge> judges, const ErrorScale& scale) {
+  memory_.pixels.clear();
+  for (const FringeJudge& judge : judges) {
+    const Jury jury(grid_, judge, scale);
+    for (const std::vector<int>& side : memory_.sides) {
+      const int count = static_cast<int>(side.size()), parts = (count + kPart - 1) / kPart;
+      for (int k = 0; k < parts; ++k) {
+        const auto first = side.begin() + partBegin(count, parts, k), last = side.begin() + partBegin(count, parts, k + 1);
+        if (jury.isOff(first, last)) memory_.pixels.insert(memory_.pixels.end(), first, last);
       }
     }
   }
-  std::sort(off.begin(), off.end());
-  off.erase(std::unique(off.begin(), off.end()), off.end());
-  memory.stretches.clear();
-  for (const int i : off) {
-    if (!memory.stretches.empty() && memory.stretches.back().end == i) {
-      ++memory.stretches.back().end;
+  return joinPixels();
+}
+
+const std::vector<PixelStretch>& Fringe::joinPixels() {
+  std::vector<int>& pixels = memory_.pixels;
+  std::sort(pixels.begin(), pixels.end());
+  pixels.erase(std::unique(pixels.begin(), pixels.end()), pixels.end());
+  memory_.stretches.clear();
+  for (const int i : pixels) {
+    if (!memory_.stretches.empty() && memory_.stretches.back().end == i) {
+      ++memory_.stretches.back().end;
     } else {
-      memory.stretches.push_back({i, i + 1});
+      memory_.stretches.push_back({i, i + 1});
     }
   }
-  return memory.stretches;
+  return memory_.stretches;
 }
 
 }  // namespace ppc

@@ -18,6 +18,9 @@ constexpr int kMaxPasses = 3;
 constexpr double kFarStep = 0.02, kFarTurn = 0.05;
 constexpr double kWorseRms = 1.25;   // of all points
 constexpr int kFringePoints = 8192;  // of a larger region, a fringe of one pixel turns the plane little
+constexpr int kInsidePoints = 2048;  // likewise so little that it cannot hide
+// Of a fringe that is off the plane of the inside: standard deviations, and what walls bow [m].
+constexpr double kInsideSignificance = 2.5, kInsideTolerance = 0.005;
 
 using Chunk = RegionMemory::Chunk;
 using Stage = RegionMemory::Stage;
@@ -167,21 +170,21 @@ class RegionFitter {
     }
   }
 
-  // One more step, without the parts of the fringe that are off the plane.
+  // One more step, without the parts of the fringe that are off the plane or that of the inside: of a narrow region, the
+  // fringe turns the plane so that it looks less off.
   void leaveOutFringe(std::size_t id, const BeamSums& sums, double scale, double sigma, FringeMemory& memory) {
     const BeamStart& start = starts_[id];
+    Fringe fringe(grid_, blocksBegin(id), blocksEnd(id), memory);
+    const FringeJudge whole{regions_[id].plane, sigma};
+    std::optional<NextStep> inside;
+    if (sums.valid <= kInsidePoints) inside = stepWithout(fringe.all(), start, sums, scale);
     const std::vector<PixelStretch>& off =
-        offFringe(grid_, blocksBegin(id), blocksEnd(id), regions_[id].plane, sigma, start.scale, memory);
+        inside ? fringe.off({whole, judgeOf(*inside, start, scale)}, start.scale) : fringe.off({whole}, start.scale);
     if (off.empty()) return;
-    BeamSums rest = sums;
-    rest -= sumBeams(grid_, off.data(), off.data() + off.size(), start.frame, BeamWeights::kTrimmed, start.scale);
-    if (rest.kept < std::max(4, sums.kept / 2)) return;
-    const std::optional<BeamStep> step = stepOf(rest, scale);
-    if (!step) return;
-    const std::optional<MovedPlane> moved = planeAfter(*step, start, sums);
-    if (!moved) return;
+    const std::optional<NextStep> next = stepWithout(off, start, sums, scale);
+    if (!next) return;
     const PlanarRegion before = regions_[id];
-    describe(id, sums, rest, *step, scale, *moved);
+    describe(id, sums, next->sums, next->step, scale, next->moved);
     if (regions_[id].rms > kWorseRms * before.rms) regions_[id] = before;  // the region, not what is beside it, was left out
   }
 
@@ -197,6 +200,31 @@ class RegionFitter {
     const double incidence = plane.normal.dot(beam) / start.frame.plane().normal.dot(beam);
     if (!plane.normal.allFinite() || !std::isfinite(plane.d) || !(incidence > 0.0)) return std::nullopt;
     return MovedPlane{plane, incidence};
+  }
+
+  struct NextStep {
+    BeamSums sums;  // that it was found from
+    BeamStep step;
+    MovedPlane moved;
+  };
+
+  // The step without some pixels; none if it is without half of the points or tells no plane.
+  std::optional<NextStep> stepWithout(const std::vector<PixelStretch>& pixels, const BeamStart& start, const BeamSums& sums,
+                                      double scale) const {
+    BeamSums rest = sums;
+    rest -= sumBeams(grid_, pixels.data(), pixels.data() + pixels.size(), start.frame, BeamWeights::kTrimmed, start.scale);
+    if (rest.kept < std::max(4, sums.kept / 2)) return std::nullopt;
+    const std::optional<BeamStep> step = stepOf(rest, scale);
+    if (!step) return std::nullopt;
+    const std::optional<MovedPlane> moved = planeAfter(*step, start, sums);
+    if (!moved) return std::nullopt;
+    return NextStep{rest, *step, *moved};
+  }
+
+  static FringeJudge judgeOf(const NextStep& inside, const BeamStart& start, double scale) {
+    const double variance = varianceOf(inside.sums, inside.step.gain);
+    return {inside.moved.plane, std::sqrt(scale * variance), kInsideSignificance, kInsideTolerance,
+            planeCovariance(inside.step, start.frame, inside.moved.plane, scale * scale * variance)};
   }
 
   static double varianceOf(const BeamSums& sums, double gain) {

@@ -66,8 +66,8 @@ class Trimmer {
     if (isPlane(work.points, fit) || all < smallest_) return false;
     const bool tolerated = isTolerated(work.points, fit);
     for (int round = tolerated ? kToleratedRounds : kRounds; round > 0; --round) {
-      const Stretches& off = offFringe(grid_, kept.data(), kept.data() + kept.size(), planeOf(fit.a), fit.sigma,
-                                       {kFringeLimit * fit.sigma, 0.0}, work.fringe);
+      Fringe fringe(grid_, kept.data(), kept.data() + kept.size(), work.fringe);
+      const Stretches& off = fringe.off({{planeOf(fit.a), fit.sigma}}, {kFringeLimit * fit.sigma, 0.0});
       if (off.empty()) break;
       remove(off, work);
       fit = fitTo(work);

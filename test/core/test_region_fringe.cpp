@@ -39,22 +39,27 @@ std::vector<PixelStretch> blocksOf(const LabelImage& labels, std::int32_t label,
   return blocks;
 }
 
-std::set<int> offOf(const BeamGrid& grid, const LabelImage& labels, FringeMemory& memory, int length = 256) {
-  const std::vector<PixelStretch> blocks = blocksOf(labels, 1, length);
-  std::set<int> off;
-  for (const PixelStretch& stretch :
-       offFringe(grid, blocks.data(), blocks.data() + blocks.size(), kWall, kSigma, kScale, memory)) {
-    for (int i = stretch.begin; i < stretch.end; ++i) EXPECT_TRUE(off.insert(i).second) << i;
+std::set<int> pixelsIn(const std::vector<PixelStretch>& stretches) {
+  std::set<int> pixels;
+  for (const PixelStretch& stretch : stretches) {
+    for (int i = stretch.begin; i < stretch.end; ++i) EXPECT_TRUE(pixels.insert(i).second) << i;
   }
-  return off;
+  return pixels;
 }
 
-// Each side's pixels from the image itself, in scan order; parts of at most 16, as equal as can be.
-std::set<int> naiveOff(const BeamGrid& grid, const LabelImage& labels) {
-  std::set<int> off;
+std::set<int> offOf(const BeamGrid& grid, const LabelImage& labels, FringeMemory& memory, int length = 256,
+                    const FringeJudge& judge = {kWall, kSigma}) {
+  const std::vector<PixelStretch> blocks = blocksOf(labels, 1, length);
+  Fringe fringe(grid, blocks.data(), blocks.data() + blocks.size(), memory);
+  return pixelsIn(fringe.off({judge}, kScale));
+}
+
+// Each side's pixels from the image itself, in scan order.
+std::vector<std::vector<int>> naiveSides(const BeamGrid& grid, const LabelImage& labels) {
+  std::vector<std::vector<int>> sides;
   const int steps[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
   for (const auto& step : steps) {
-    std::vector<int> side;
+    std::vector<int>& side = sides.emplace_back();
     for (int r = 0; r < grid.rows; ++r) {
       for (int c = 0; c < grid.cols; ++c) {
         const int row = r + step[0], col = c + step[1];
@@ -64,6 +69,14 @@ std::set<int> naiveOff(const BeamGrid& grid, const LabelImage& labels) {
         }
       }
     }
+  }
+  return sides;
+}
+
+// In parts of at most 16, as equal as can be.
+std::set<int> naiveOff(const BeamGrid& grid, const LabelImage& labels) {
+  std::set<int> off;
+  for (const std::vector<int>& side : naiveSides(grid, labels)) {
     const std::size_t parts = (side.size() + 15) / 16;
     for (std::size_t k = 0; k < parts; ++k) {
       double sum = 0.0;
@@ -105,6 +118,10 @@ TEST(RegionFringe, AgreesWithTheImagePixelByPixel) {
     const std::set<int> expected = naiveOff(grid, labels);
     EXPECT_EQ(offOf(grid, labels, memory), expected) << seed;
     EXPECT_EQ(offOf(grid, labels, memory, 7), expected) << seed;
+    std::set<int> all;
+    for (const std::vector<int>& side : naiveSides(grid, labels)) all.insert(side.begin(), side.end());
+    const std::vector<PixelStretch> blocks = blocksOf(labels, 1, 256);
+    EXPECT_EQ(pixelsIn(Fringe(grid, blocks.data(), blocks.data() + blocks.size(), memory).all()), all) << seed;
     found += expected.empty() ? 0 : 1;
   }
   EXPECT_GT(found, 20);
@@ -124,10 +141,32 @@ TEST(RegionFringe, ARowTooManyIsFoundAndNothingElse) {
   EXPECT_LT(*std::next(off.begin(), 130), 320);
 }
 
+// A row is off by a centimetre, five standard deviations of its parts' means if the noise is 8 mm: not for a judge that
+// tolerates 5 mm, nor for one whose plane is known to 5 mm there, and for one of two judges it is.
+TEST(RegionFringe, JudgesTolerateBowsAndWhatTheirPlanesAreNotKnown) {
+  FringeMemory memory;
+  BeamGrid grid = wallSeenBy(8, 160);
+  scanFaces({{kWall, [](const Eigen::Vector3d&) { return true; }}}, grid);
+  const LabelImage labels{8, 160, std::vector<std::int32_t>(8 * 160, 1)};
+  for (int i = 0; i < 160; ++i) grid.range[i] += 0.01F;
+  const FringeJudge strict{kWall, 0.008};
+  FringeJudge tolerant = strict, uncertain = strict;
+  tolerant.tolerance = 0.005;
+  uncertain.covariance(3, 3) = 0.005 * 0.005;
+  EXPECT_EQ(*std::next(offOf(grid, labels, memory, 256, strict).begin(), 159), 159);
+  EXPECT_TRUE(offOf(grid, labels, memory, 256, tolerant).empty());
+  EXPECT_TRUE(offOf(grid, labels, memory, 256, uncertain).empty());
+  const std::vector<PixelStretch> blocks = blocksOf(labels, 1, 256);
+  Fringe fringe(grid, blocks.data(), blocks.data() + blocks.size(), memory);
+  EXPECT_EQ(pixelsIn(fringe.off({tolerant, strict}, kScale)), offOf(grid, labels, memory, 256, strict));
+}
+
 TEST(RegionFringe, NothingIsOffInNoRegionAndWithoutNoise) {
   FringeMemory memory;
   BeamGrid grid = wallSeenBy(4, 20);
-  EXPECT_TRUE(offFringe(grid, nullptr, nullptr, kWall, kSigma, kScale, memory).empty());
+  Fringe none(grid, nullptr, nullptr, memory);
+  EXPECT_TRUE(none.all().empty());
+  EXPECT_TRUE(none.off({{kWall, kSigma}}, kScale).empty());
   scanFaces({{kWall, [](const Eigen::Vector3d&) { return true; }}}, grid);
   EXPECT_TRUE(offOf(grid, {4, 20, std::vector<std::int32_t>(80, 1)}, memory).empty());
 }

@@ -37,7 +37,7 @@ struct TrimmingMemory {
 /// them together are told from noise: chi-square, of noise and CoplanarityTolerance::sigma_distance, with errors capped at
 /// four standard deviations, exceeds the number of points by more than four times what noise lets it vary, and errors of
 /// neighbours agree: noise that is larger than known, on dark surfaces or far away, is not smooth. From such
-/// regions, those parts of the fringe that are off (offFringe()) are taken, the plane is fitted again, and so on. If it is
+/// regions, those parts of the fringe that are off (Fringe::off()) are taken, the plane is fitted again, and so on. If it is
 /// still none when no part is off, or a quarter of the points is gone, the region is left as it was if all that planes are
 /// allowed explains its errors, which may be bows of a wall or a sensor's own (the tolerance of angles too, across the
 /// surface, as similarity() has it), and from such regions no more than three pixels are taken in depth; if not, it has no
