@@ -94,7 +94,7 @@ UP = (0, 1, 0)
 
 def desk(beams, rng):
     """Blocks of 4 to 18 cm on a table 1.2 m away."""
-    scene, tilt, middle = Scene(beams), turn((1, 0, 0), -0.9), numpy.array([0, 0, 1.2])
+    scene, tilt, middle = Scene(beams), turn((1, 0, 0), 0.9), numpy.array([0, 0, 1.2])
     scene.box(middle + tilt @ numpy.array([0, 1.0, 0]), numpy.array([3, 1.0, 3]), tilt)
     for _ in range(rng.integers(4, 8)):
         half = rng.uniform(0.02, 0.09, 3)
