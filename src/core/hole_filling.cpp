@@ -12,8 +12,10 @@
 namespace ppc {
 namespace {
 
-constexpr double kMaxMean = 4.0;     // mean distance of a speck, in standard deviations of such a mean
-constexpr double kMaxScatter = 6.0;  // mean square of its distances, in variances of noise and tolerance
+constexpr double kMaxMean = 5.5;  // mean distance of a speck, in standard deviations of such a mean
+// Mean square of its distances, in variances of noise and tolerance: of many points, and what is added for a single one,
+// which may stand off by four standard deviations.
+constexpr double kMaxScatter = 6.0, kSingleScatter = 10.0;
 
 class HoleFiller {
  public:
@@ -95,7 +97,8 @@ class HoleFiller {
     }
     const auto n = static_cast<double>(specks_.size() - begin);
     const double deviation = std::sqrt(variances / n * std::min(1.0, tolerance_.inflationOf(n) / n) + allowed / n);
-    return std::abs(sum / n) <= kMaxMean * deviation && squares / n <= kMaxScatter;  // not if the plane is seen edge-on
+    return std::abs(sum / n) <= kMaxMean * deviation &&
+           squares <= kMaxScatter * n + kSingleScatter;  // not if the plane is seen edge-on
   }
 
   const BeamGrid& grid_;

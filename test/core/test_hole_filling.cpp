@@ -64,9 +64,22 @@ TEST(FillHoles, LeavesWhatStandsOffThePlane) {
 
 TEST(FillHoles, AllowsForCorrelatedNoise) {
   CoplanarityTolerance correlated = kWhite;
-  correlated.inflation = 16.0;  // bumps of that many points are as uncertain as four points of white noise
-  EXPECT_EQ(HoledWall(0.02).unlabelledAfter(correlated), 0);
+  correlated.inflation = 8.0;  // bumps of 64 points are as uncertain as eight points of white noise
+  EXPECT_EQ(HoledWall(0.0255).unlabelledAfter(correlated), 0);
   EXPECT_EQ(HoledWall(0.06).unlabelledAfter(correlated), 64);
+}
+
+// Four standard deviations of noise and tolerance are 45 mm.
+TEST(FillHoles, GivesSinglePointsWithinNoiseToTheRegionAround) {
+  const auto unlabelled = [](double off) {
+    HoledWall single(0.0, 1, 1);
+    single.forEachPixel(
+        1, 1, [&](int i) { single.grid.range[i] = static_cast<float>(kDistance / single.grid.direction(i).x() + off); });
+    return single.unlabelledAfter();
+  };
+  EXPECT_EQ(unlabelled(0.037), 0);
+  EXPECT_EQ(unlabelled(-0.037), 0);
+  EXPECT_EQ(unlabelled(0.05), 1);
 }
 
 TEST(FillHoles, LeavesPointsThatScatterMoreThanNoise) {
