@@ -32,8 +32,12 @@ if(CATKIN_ENABLE_TESTING)
 
   # Tests that start ROS processes have the machine to themselves, so that none starves another.
   get_property(all_tests DIRECTORY PROPERTY TESTS)
+  set(timeout 600)
+  if(CMAKE_CXX_FLAGS MATCHES "sanitize")
+    set(timeout 2400)
+  endif()
   foreach(test IN LISTS all_tests)
-    set_tests_properties(${test} PROPERTIES TIMEOUT 600)
+    set_tests_properties(${test} PROPERTIES TIMEOUT ${timeout})
     if(test MATCHES "_rostest_")
       set_tests_properties(${test} PROPERTIES RUN_SERIAL TRUE)
       # A sanitizer sees only the process that was built with it: nodelets in a manager of ROS's own are out of its sight.
