@@ -28,10 +28,11 @@ constexpr double kStepLeft = 0.6;      // likewise, if there is a step for certa
 constexpr double kStepHeight = 0.6;    // of a step from cell to cell, in the tolerance: those at an edge have part in both
 constexpr double kCreaseCosine = 0.9976;  // between planes, 4 degrees
 constexpr double kCreaseGain = 4.0;       // of a crease over a quadratic surface, over what noise may leave
-constexpr double kSignificance = 30.0;    // of a cut, over one plane and one quadratic surface: far beyond chi-square
-constexpr double kNoiseError = 0.1;       // of its variance
-constexpr double kMostLeft = 3.0;         // beyond noise, over what two planes explain, where there may be a third one
-constexpr double kMinSide = 0.25;         // points of a side over those of a region, as in the second pass
+constexpr double kCreaseLeft = 0.15;  // beyond noise, over that gain: points of what is beside a label lie along its border
+constexpr double kSignificance = 30.0;  // of a cut, over one plane and one quadratic surface: far beyond chi-square
+constexpr double kNoiseError = 0.1;     // of its variance
+constexpr double kMostLeft = 3.0;       // beyond noise, over what two planes explain, where there may be a third one
+constexpr double kMinSide = 0.25;       // points of a side over those of a region, as in the second pass
 
 using Place = LabelSplitMemory::Place;
 using Part = LabelSplitMemory::Part;
@@ -235,12 +236,12 @@ class LabelSplitter {
     return parallel && left < std::max(noise, kStepLeft * division.gain) && isStep(part, work, fit);
   }
 
-  // Whether a fine sensor tells a crease for certain: two planes leave no more than noise, and one quadratic surface far
-  // more.
+  // Whether a fine sensor tells a crease for certain: two planes leave no more than noise or a small part of what one
+  // quadratic surface leaves, and that leaves far more than noise.
   bool isCrease(const LabelSplit& split, const SurfaceDivision& division, double bow) const {
-    const double noise = split.noise(tolerance_);
-    return split.low.fit.normal().dot(split.high.fit.normal()) < kCreaseCosine && split.leftOver() < noise &&
-           division.gain - bow > kCreaseGain * noise &&
+    const double noise = split.noise(tolerance_), over_bow = division.gain - bow;
+    return split.low.fit.normal().dot(split.high.fit.normal()) < kCreaseCosine && over_bow > kCreaseGain * noise &&
+           split.leftOver() < std::max(noise, kCreaseLeft * over_bow) &&
            tolerance_.isFine(noise_.sigma((split.low.sum + split.high.sum).mean().norm()));
   }
 

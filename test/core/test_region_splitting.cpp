@@ -33,6 +33,10 @@ struct Scene {
     addNoise(grid, excess * sigma);
     labels = truth;
     for (std::int32_t& label : labels.labels) label = label > 0 ? 1 : 0;
+    sumCells();
+  }
+
+  void sumCells() {
     cells = makePatchGrid(grid, 4, true);
     weighPatches(noise, cells);
     shares = shareCells(grid, cells, noise, labels);
@@ -128,6 +132,18 @@ TEST(SplitLabels, TellsLowCreasesOfAFineSensorFromBows) {
   const std::int32_t label = fine.labels.labels.front();
   EXPECT_GT(fine.common(left, label), 0.95 * countOf(fine.truth, left));
   EXPECT_LT(fine.common(right, label), 0.05 * countOf(fine.truth, right));
+}
+
+// Two faces that meet at 14 degrees as one label of many cells, which has some points of what is beside it.
+TEST(SplitLabels, TellsACreaseAlthoughTheLabelHasPointsOfAThirdFace) {
+  Scene scene({wall({-1.0, 0.12, 0.0}, -3.0), wall({-1.0, -0.12, 0.0}, -3.0)}, 0.0025, kFine);
+  EXPECT_GT(scene.cells.patches.size(), 400U);
+  for (int col = 0; col < 12; ++col) scene.grid.range[scene.grid.index(0, col)] += 0.03F;
+  scene.sumCells();
+  EXPECT_TRUE(scene.split());
+  const std::int32_t right = scene.truth.labels.back(), left = 3 - right, label = scene.labels.labels.back();
+  EXPECT_GT(scene.common(right, label), 0.95 * countOf(scene.truth, right));
+  EXPECT_LT(scene.common(left, label), 0.05 * countOf(scene.truth, left));
 }
 
 TEST(SplitLabels, LeavesAStepWithinTheToleranceWhole) {

@@ -64,9 +64,10 @@ struct LabelSplitMemory {
 ///
 /// A sensor so fine that the tolerance shrinks with its noise (CoplanarityTolerance::forNoise()) tells more for certain,
 /// from divisions of labels of any size, also where the misfit is within the tolerance: a crease of 4 degrees and more, if
-/// two planes leave no more than noise and one quadratic surface leaves four times as much beyond them; and a low step of
-/// parallel sides, if cells on both sides of the border already differ by 0.6 of the tolerance, which most waves and bows do
-/// not, though as much as 0.6 of what the division explains may be left for a third level.
+/// one quadratic surface leaves four times as much as noise may beyond two planes, and these leave no more than noise, or
+/// .15 of that; and a low step of parallel sides, if cells on both sides of the border already differ by 0.6 of the
+/// tolerance, which most waves and bows do not, though as much as 0.6 of what the division explains may be left for a third
+/// level.
 /// @param cells with weighed moments. @param smallest points of a label; a side has a quarter at least.
 /// @param shares of `labels`. Both are brought up to date: new labels follow the last of shares.sums.
 /// @return whether any was split.
