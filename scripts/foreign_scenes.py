@@ -4,9 +4,9 @@
 
 Boxes, balls and columns, cast by a few lines of numpy that share nothing with the package's own simulator. A tool that is good on
 its own scenes alone would show here. Sensors: the tilting lasers that the package is made for (also in rooms of thin faces, with
-errors of all kinds, and with surfaces of more noise than others), structured light at a desk, range cameras, laser scanners of
-one millimetre, a spinning laser of 32 rings. Each image is an organised cloud as `ppc segment` reads it. All parameters are the
-defaults, but where scripts/baselines.yaml has better ones of other methods for the sensor.
+errors of all kinds, and with surfaces of more noise than others), a small time-of-flight camera, structured light at a desk,
+range cameras, laser scanners of one millimetre, a spinning laser of 32 rings. Each image is an organised cloud as `ppc segment`
+reads it. All parameters are the defaults, but where scripts/baselines.yaml has better ones of other methods for the sensor.
 Needs the built package (scripts/build) and what scripts/setup --lint installs.
 """
 import argparse
@@ -242,6 +242,8 @@ SENSORS = {
     'furnished room, tilting UTM-30LX, 10 mm, 20 mm a line': (lambda rng: furnished(UTM, rng), lines(0.02, white(0.01, 0.001)), 400,
                                                               'UTM-30LX x1'),
     'furnished room, tilting URG-04LX, 1 %, 20 mm a line': (lambda rng: furnished(URG, rng), lines(0.02, urg), 400, 'URG-04LX'),
+    'furnished room, time of flight, 144 x 176 pixels, 8 mm': (lambda rng: furnished(pinhole(144, 176, 60), rng), white(0.008, 0.001),
+                                                               60, None),
     'structured light at a desk, 1.2 mm': (lambda rng: desk(pinhole(512, 512, 38), rng), white(0.0012, 0.0005), 400, None),
     'range camera, 0.5 mm': (lambda rng: room(pinhole(480, 640, 57), rng), white(0.0005), 400, None),
     'range camera, structured light': (lambda rng: room(pinhole(480, 640, 57), rng), structured_light, 400, None),

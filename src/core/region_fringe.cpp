@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 
 namespace ppc {
 namespace {
@@ -36,31 +37,36 @@ class Jury {
   using Pixel = std::vector<int>::const_iterator;
 
   Jury(const BeamGrid& grid, const FringeJudge& judge, const ErrorScale& scale)
-      : grid_(grid), judge_(judge), scale_(scale), judges_inside_(!judge.covariance.isZero()) {}
+      : grid_(grid), judge_(judge), scale_(scale), has_covariance_(!judge.covariance.isZero()) {}
 
   bool isOff(Pixel first, Pixel last) const {
-    double sum = 0.0;
-    for (auto i = first; i != last; ++i) sum += errorOf(*i);
-    const auto count = static_cast<double>(last - first);
-    const double variance = judge_.sigma * judge_.sigma / count + judge_.tolerance * judge_.tolerance +
-                            (judges_inside_ ? planeVarianceAt(first[(last - first) / 2]) : 0.0);
+    double sum = 0.0, count = 0.0;
+    for (auto i = first; i != last; ++i) {
+      if (!grid_.valid(*i)) continue;
+      sum += errorOf(*i);
+      ++count;
+    }
+    if (count == 0.0) return false;
+    const double variance = judge_.sigma * judge_.sigma / count + planeVarianceAt(middleOf(first, last));
     return std::abs(sum) > judge_.significance * count * std::sqrt(variance);
   }
 
  private:
   // Across the plane, so weighted; beams see it from the side that its normal points to.
   double errorOf(int i) const {
-    if (!grid_.valid(i)) return 0.0;
     const double height = judge_.plane.signedDistance(grid_.point(i).cast<double>());
     return std::clamp(height * std::sqrt(weightOf(i)), -scale_.limit, scale_.limit);
   }
 
-  // Of a plane that goes on beyond the points that it was fitted to, weighted likewise.
+  // Of what the plane is allowed and not known, weighted likewise.
   double planeVarianceAt(int i) const {
-    if (!grid_.valid(i)) return 0.0;
-    Eigen::Vector4d derivative;
-    derivative << grid_.point(i).cast<double>(), -1.0;
-    return derivative.dot(judge_.covariance * derivative) * weightOf(i);
+    double variance = judge_.tolerance * judge_.tolerance;
+    if (has_covariance_) {
+      Eigen::Vector4d derivative;
+      derivative << grid_.point(i).cast<double>(), -1.0;
+      variance += derivative.dot(judge_.covariance * derivative);
+    }
+    return variance > 0.0 ? variance * weightOf(i) : 0.0;
   }
 
   double weightOf(int i) const {
@@ -68,10 +74,19 @@ class Jury {
     return (1.0 + scale_.softness) / (cosine * cosine + scale_.softness);
   }
 
+  // A pixel that is measured, near the middle.
+  int middleOf(Pixel first, Pixel last) const {
+    const auto middle = first + (last - first) / 2;
+    const auto is_valid = [&](int i) { return grid_.valid(i); };
+    const auto found = std::find_if(middle, last, is_valid);
+    return found != last ? *found
+                         : *std::find_if(std::make_reverse_iterator(middle), std::make_reverse_iterator(first), is_valid);
+  }
+
   const BeamGrid& grid_;
   const FringeJudge& judge_;
   const ErrorScale& scale_;
-  bool judges_inside_;
+  bool has_covariance_;
 };
 
 }  // namespace

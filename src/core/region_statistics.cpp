@@ -19,7 +19,8 @@ constexpr double kFarStep = 0.02, kFarTurn = 0.05;
 constexpr double kWorseRms = 1.25;   // of all points
 constexpr int kFringePoints = 8192;  // of a larger region, a fringe of one pixel turns the plane little
 constexpr int kInsidePoints = 2048;  // likewise so little that it cannot hide
-// Of a fringe that is off the plane of the inside: standard deviations, and what walls bow [m].
+// Of a fringe that is off the plane of the inside: standard deviations, and that of what walls bow [m]. Where noise is
+// below 5 mm, no errors that are not capped are so large, and the inside is not asked.
 constexpr double kInsideSignificance = 2.5, kInsideTolerance = 0.005;
 
 using Chunk = RegionMemory::Chunk;
@@ -177,7 +178,8 @@ class RegionFitter {
     Fringe fringe(grid_, blocksBegin(id), blocksEnd(id), memory);
     const FringeJudge whole{regions_[id].plane, sigma};
     std::optional<NextStep> inside;
-    if (sums.valid <= kInsidePoints) inside = stepWithout(fringe.all(), start, sums, scale);
+    const bool may_tell = sums.valid <= kInsidePoints && kInsideSignificance * kInsideTolerance < start.scale.limit;
+    if (may_tell) inside = stepWithout(fringe.all(), start, sums, scale);
     const std::vector<PixelStretch>& off =
         inside ? fringe.off({whole, judgeOf(*inside, start, scale)}, start.scale) : fringe.off({whole}, start.scale);
     if (off.empty()) return;

@@ -15,19 +15,20 @@ using namespace testing_tools;
 
 constexpr int kRows = 60, kCols = 80, kSmallest = 200;
 constexpr double kDistance = 3.0;
-const NoiseModel kNoise(SensorModel{0.01, 0.01, 10.0, 0.0}, 1.0);
 const CoplanarityTolerance kWhite{0.005, 0.005, 1.0};
 
 // A wall ahead of which a block of pixels has no label.
 struct HoledWall {
+  NoiseModel noise;
   BeamGrid grid = forwardBeams(kRows, kCols, 0.005);
   LabelImage labels;
   HoleMemory memory;
   std::vector<Eigen::Vector3d> planes{Eigen::Vector3d::Zero(), Eigen::Vector3d(1.0 / kDistance, 0.0, 0.0)};
 
-  explicit HoledWall(double bump = 0.0, int rows = 8, int cols = 8) {
+  explicit HoledWall(double bump = 0.0, int rows = 8, int cols = 8, double sigma = 0.01)
+      : noise(SensorModel{sigma, sigma, 10.0, 0.0}, 1.0) {
     scan({wall({-1.0, 0.0, 0.0}, -kDistance)}, grid);
-    addNoise(grid, 0.01);
+    addNoise(grid, sigma);
     labels.rows = kRows;
     labels.cols = kCols;
     labels.labels.assign(static_cast<std::size_t>(grid.size()), 1);
@@ -47,7 +48,7 @@ struct HoledWall {
   int unlabelledAfter(const CoplanarityTolerance& tolerance = kWhite) {
     const LabelImage before = labels;
     const bool filled =
-        fillHoles(grid, planes, Eigen::Vector3d::Zero(), kNoise, tolerance, kSmallest, memory, labels, labelRuns(before));
+        fillHoles(grid, planes, Eigen::Vector3d::Zero(), noise, tolerance, kSmallest, memory, labels, labelRuns(before));
     EXPECT_EQ(filled, labels.labels != before.labels);
     EXPECT_EQ(std::count(memory.seen.begin(), memory.seen.end(), 0), grid.size());
     return countOf(labels, 0);
@@ -62,11 +63,14 @@ TEST(FillHoles, LeavesWhatStandsOffThePlane) {
   EXPECT_EQ(HoledWall(1.0).unlabelledAfter(), 64);
 }
 
+// Of 40 mm of noise, the mean of 64 points is known to 5 mm if it is white, and to 14 mm if it is shared by eight of them.
 TEST(FillHoles, AllowsForCorrelatedNoise) {
   CoplanarityTolerance correlated = kWhite;
-  correlated.inflation = 8.0;  // bumps of 64 points are as uncertain as eight points of white noise
-  EXPECT_EQ(HoledWall(0.0255).unlabelledAfter(correlated), 0);
-  EXPECT_EQ(HoledWall(0.06).unlabelledAfter(correlated), 64);
+  correlated.inflation = 8.0;
+  EXPECT_EQ(HoledWall(0.02, 8, 8, 0.04).unlabelledAfter(), 0);
+  EXPECT_EQ(HoledWall(0.06, 8, 8, 0.04).unlabelledAfter(), 64);
+  EXPECT_EQ(HoledWall(0.06, 8, 8, 0.04).unlabelledAfter(correlated), 0);
+  EXPECT_EQ(HoledWall(0.12, 8, 8, 0.04).unlabelledAfter(correlated), 64);
 }
 
 // Four standard deviations of noise and tolerance are 45 mm.

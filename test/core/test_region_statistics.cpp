@@ -191,6 +191,25 @@ TEST(RegionStatistics, RowsOfTheTreadsDoNotTurnARiser) {
   }
 }
 
+// Its outermost rows stand 6 mm off the others, as those of a wall that bows may: they are still part of it.
+TEST(RegionStatistics, ANarrowRegionThatBowsKeepsItsFringe) {
+  const Plane wall{-Eigen::Vector3d::UnitX(), -2.0};
+  constexpr int kRows = 6, kCols = 150, kRuns = 8;
+  double moved = 0.0;
+  for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
+    BeamGrid grid = toBeamGrid(noddingScan(kRows, kCols, -1.0 * kDegree, 1.0 * kDegree, 20 * kDegree));
+    const LabelImage labels = scanFaces({{wall, kAnywhere}}, grid);
+    addNoise(grid, 0.01, 0.0, 0.0, seed);
+    for (int c = 0; c < kCols; ++c) {
+      for (const int r : {0, kRows - 1}) grid.range[grid.index(r, c)] += 0.006F;
+    }
+    const auto regions = describeRegions(grid, labels);
+    ASSERT_EQ(regions.size(), 1U);
+    moved += (wall.d - regions[0].plane.d) / kRuns;
+  }
+  EXPECT_NEAR(moved, 0.006 * 2.0 / kRows, 0.0005);
+}
+
 // All beams lie in the plane: the points tell it, if the beams do not.
 TEST(RegionStatistics, PlaneThroughTheSensorIsFitAcross) {
   std::vector<float> x, y, z;

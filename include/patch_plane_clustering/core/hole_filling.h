@@ -25,9 +25,10 @@ struct HoleMemory {
 /// @brief Gives points inside of a region to it which as a whole lie on its plane as well as noise lets them.
 ///
 /// Smooth noise makes bumps that look like faces of their own to patches; they end as specks that are too small for a
-/// region. A speck (pixels without a label, or of regions too small) that touches one region only is filled if its mean
-/// distance from the plane is within 5.5 standard deviations of such a mean and the tolerance, for specks are where noise is
-/// largest, and its points scatter no more than noise. True things that small stand off by ten and more, or cannot be told.
+/// region. A speck (pixels without a label, or of regions too small) that touches one region only is filled if its points
+/// scatter about the plane no more than noise and tolerance let them (mean square 6 + 10 / n variances, 4 standard
+/// deviations of a single one), and their mean is within 5.5 of its standard deviations, which tells more where noise is
+/// large: specks are where it is largest. True things that small stand off by ten and more, or cannot be told.
 /// @param planes a (see moments.h) of every label. @param center origin of the planes [m]. @param smallest points that a
 /// region has at least. @param runs of the labels, see listRuns(), before regions were extended (extendRegions()).
 /// @return whether anything was filled.

@@ -29,8 +29,8 @@ struct FringeJudge {
   Plane plane;
   double sigma = 0.0;         ///< standard deviation of the errors as ErrorScale weighs them [m]
   double significance = 3.0;  ///< of the mean error of a part that is off, in its standard deviations
-  /// Of a plane that the fringe had no part in: how far a part of the same face may stand off it, as walls bow [m], and the
-  /// covariance of its (n, d).
+  /// Of a plane that the fringe had no part in: the standard deviation of how far a part of the same face may stand off it,
+  /// across it, as walls bow [m], and the covariance of its (n, d).
   double tolerance = 0.0;
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
 };

@@ -49,10 +49,11 @@ struct RenumberingMemory {
 /// @brief Plane, centroid, covariance, point count and rms of every region of a label image, whichever method made the
 /// labels. The plane minimises errors along the beams, where range noise runs, and small ones across them (BeamStart; total
 /// least squares where a region is seen edge-on), without those beyond 2.5 standard deviations: points that got the label
-/// from beside the region do not turn it; of regions up to 8192 points, without parts of the fringe (Fringe) that lie off the
-/// plane to one side either or, up to 2048 points, off the plane of the inside by more than walls bow, unless half of the
-/// points were left out so or the rms of all became a quarter larger. The covariance takes the residuals' own variance, and
-/// points as independent. Centroid, count and rms are those of all points.
+/// from beside the region do not turn it; of regions up to 8192 points, without parts of the fringe (Fringe) that lie off
+/// the plane to one side either or, up to 2048 points and where noise is above 5 mm, off the plane of the inside by more
+/// than it and walls that bow let them, unless half of the points were left out so or the rms of all became a quarter
+/// larger. The covariance takes the residuals' own variance, and points as independent. Centroid, count and rms are those of
+/// all points.
 /// @param labels values 1..N, 0 = none; same size as the grid.
 /// @return one region for each id 1..max that has at least 3 points; in ascending id.
 std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage& labels, int threads = 1);
