@@ -236,8 +236,8 @@ class LabelSplitter {
     return parallel && left < std::max(noise, kStepLeft * division.gain) && isStep(part, work, fit);
   }
 
-  // Whether a fine sensor tells a crease for certain: one quadratic surface leaves far more beyond two planes than noise may,
-  // and these leave no more than noise, or a small part of that.
+  // Whether a fine sensor tells a crease for certain: one quadratic surface leaves far more beyond two planes than noise
+  // may, and these leave no more than noise, or a small part of that.
   bool isCrease(const LabelSplit& split, const SurfaceDivision& division, double bow) const {
     const double noise = split.noise(tolerance_), over_bow = division.gain - bow;
     return split.low.fit.normal().dot(split.high.fit.normal()) < kCreaseCosine && over_bow > kCreaseGain * noise &&
