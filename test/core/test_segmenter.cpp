@@ -181,7 +181,6 @@ TEST(Segmenter, FindsAPictureOnTheWallBelowTheNoise) {
   }
 }
 
-// But for strips at its limbs in more noise, of one point in fifty.
 TEST(Segmenter, AColumnIsNoPlane) {
   for (const double noise : {0.0, 0.001, 0.003, 0.005, 0.01}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
@@ -190,10 +189,8 @@ TEST(Segmenter, AColumnIsNoPlane) {
       if (noise > 0.0) addNoise(grid, noise, 0.0, 0.0, seed);
       ASSERT_GT(countOf(truth, 1), 5000);
       const Segmentation result = segmented(grid);
-      const int labelled = grid.size() - countOf(result.labels, 0);
-      EXPECT_LE(labelled, noise < 0.01 ? 0 : countOf(truth, 1) / 50) << "noise " << noise << ", seed " << seed;
-      EXPECT_EQ(result.regions.empty(), labelled == 0);
-      EXPECT_EQ(result.polygons.empty(), labelled == 0);
+      EXPECT_TRUE(result.regions.empty()) << "noise " << noise << ", seed " << seed;
+      EXPECT_TRUE(result.polygons.empty()) << "noise " << noise << ", seed " << seed;
       EXPECT_EQ(result.valid_points, countOf(truth, 1));
     }
   }
