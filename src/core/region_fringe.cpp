@@ -37,7 +37,7 @@ class Jury {
   using Pixel = std::vector<int>::const_iterator;
 
   Jury(const BeamGrid& grid, const FringeJudge& judge, const ErrorScale& scale)
-      : grid_(grid), judge_(judge), scale_(scale), has_covariance_(!judge.covariance.isZero()) {}
+      : grid_(grid), judge_(judge), scale_(scale) {}
 
   bool isOff(Pixel first, Pixel last) const {
     double sum = 0.0, count = 0.0;
@@ -60,13 +60,10 @@ class Jury {
 
   // Of what the plane is allowed and not known, weighted likewise.
   double planeVarianceAt(int i) const {
-    double variance = judge_.tolerance * judge_.tolerance;
-    if (has_covariance_) {
-      Eigen::Vector4d derivative;
-      derivative << grid_.point(i).cast<double>(), -1.0;
-      variance += derivative.dot(judge_.covariance * derivative);
-    }
-    return variance > 0.0 ? variance * weightOf(i) : 0.0;
+    Eigen::Vector4d derivative;
+    derivative << grid_.point(i).cast<double>(), -1.0;
+    const double variance = judge_.tolerance * judge_.tolerance + derivative.dot(judge_.covariance * derivative);
+    return variance > 0.0 ? variance * weightOf(i) : 0.0;  // edge-on the weight may be infinite
   }
 
   double weightOf(int i) const {
@@ -86,7 +83,6 @@ class Jury {
   const BeamGrid& grid_;
   const FringeJudge& judge_;
   const ErrorScale& scale_;
-  bool has_covariance_;
 };
 
 }  // namespace

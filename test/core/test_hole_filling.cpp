@@ -63,8 +63,15 @@ TEST(FillHoles, LeavesWhatStandsOffThePlane) {
   EXPECT_EQ(HoledWall(1.0).unlabelledAfter(), 64);
 }
 
-// Of 40 mm of noise, the mean of 64 points is known to 5 mm if it is white, and to 14 mm if it is shared by eight of them.
 TEST(FillHoles, AllowsForCorrelatedNoise) {
+  CoplanarityTolerance correlated = kWhite;
+  correlated.inflation = 16.0;  // bumps of that many points are as uncertain as four points of white noise
+  EXPECT_EQ(HoledWall(0.02).unlabelledAfter(correlated), 0);
+  EXPECT_EQ(HoledWall(0.06).unlabelledAfter(correlated), 64);
+}
+
+// Of 40 mm of noise, the mean of 64 points is known to 5 mm if it is white, and to 14 mm if it is shared by eight of them.
+TEST(FillHoles, TellsByTheMeanWhereNoiseIsLarge) {
   CoplanarityTolerance correlated = kWhite;
   correlated.inflation = 8.0;
   EXPECT_EQ(HoledWall(0.02, 8, 8, 0.04).unlabelledAfter(), 0);

@@ -152,8 +152,8 @@ BeamGrid steppedWall(const Plane& wall) {
   return grid;
 }
 
-// The row is many standard deviations of its parts' means off: not for a judge that tolerates 5 mm, nor
-// for one whose plane is known to 5 mm there, and for one of two judges it is. Also if points are missing.
+// The row is many standard deviations of its parts' means off: not for a judge that tolerates 5 mm, nor for one whose plane
+// is known to 5 mm there, and for one of two judges it is. Also if points are missing.
 TEST(RegionFringe, JudgesTolerateBowsAndWhatTheirPlanesAreNotKnown) {
   FringeMemory memory;
   const LabelImage labels{8, 160, std::vector<std::int32_t>(8 * 160, 1)};
