@@ -119,7 +119,7 @@ const ConfigField& fieldNamed(const std::string& name) {
 }  // namespace
 
 int smallestRegion(const Config& config, int pixels) {
-  constexpr int kPixelsAPoint = 550, kLeast = 100, kMost = 350;
+  constexpr int kPixelsAPoint = 550, kLeast = 60, kMost = 350;
   // Three points make a plane.
   return config.min_size > 0 ? std::max(3, config.min_size) : std::clamp(pixels / kPixelsAPoint, kLeast, kMost);
 }

@@ -38,6 +38,7 @@ constexpr int kReaches[] = {1, 4, 16, 40};  // lines to either side that tell of
 constexpr double kBent = 0.15;              // of single beams' noise: what planes of the scene are bent from line to line
 constexpr double kMostLeft = 0.75;          // of what sloped beams are off, if turned lines are worth it
 constexpr double kMostLeftByTurns = 0.95;   // if they are turned instead of being moved
+constexpr double kMostLeftAsStated = 1.2;   // likewise, by their directions: slopes are wrong beside uneven gaps
 
 // One of the errors that lines may have.
 using Component = LineFit LineMisfit::*;
@@ -78,17 +79,25 @@ LineNoise measureNoise(Component component, LineErrorMemory& memory, int beams =
   return noise;
 }
 
+// Calls f(line, scratch) for one in `stride` lines that have others on both sides.
+template <typename F>
+void forEachSampled(const GridLines& lines, int stride, LineErrorMemory& memory, int threads, F&& f) {
+  const auto some = [&](int begin, int end, LineMisfitMemory& scratch) {
+    for (int n = begin; n < end; ++n) {
+      const int k = sampledLine(n, stride);
+      if (k > 0 && k + 1 < lines.count()) f(k, scratch);
+    }
+  };
+  forEachRange(threads, (lines.count() + stride - 1) / stride, memory.of_thread, some);
+}
+
 // Of one in `stride` lines, and nothing of the others: memory.misfits.
 void measureMisfits(const GridLines& lines, LineErrorKind kind, int stride, LineErrorMemory& memory, int threads,
                     int beams = kBeams) {
   memory.misfits.assign(static_cast<std::size_t>(lines.count()), LineMisfit());
-  const auto measure = [&](int begin, int end, LineMisfitMemory& scratch) {
-    for (int n = begin; n < end; ++n) {
-      const int k = sampledLine(n, stride);
-      if (k > 0 && k + 1 < lines.count()) memory.misfits[k] = measureLineMisfit(lines, k, kind, beams, scratch);
-    }
-  };
-  forEachRange(threads, (lines.count() + stride - 1) / stride, memory.of_thread, measure);
+  forEachSampled(lines, stride, memory, threads, [&](int k, LineMisfitMemory& scratch) {
+    memory.misfits[k] = measureLineMisfit(lines, k, kind, beams, scratch);
+  });
 }
 
 bool tells(const LineFit& fit, const LineNoise& noise) {
@@ -213,16 +222,24 @@ LineErrors errorsOf(const BeamGrid& grid, bool in_columns, LineErrorKind kind, L
 }
 
 // What sloped beams are off without these errors, in those lines where they are off most [m].
-double leftOf(const LineErrors& errors, const BeamGrid& grid, int stride, LineErrorMemory& memory, int threads) {
+LeftOfLine leftOf(const LineErrors& errors, const BeamGrid& grid, int stride, LineErrorMemory& memory, int threads) {
   if (!errors.empty()) removeLineErrors(errors, grid, memory.corrected);
   const GridLines lines(errors.empty() ? grid : memory.corrected, errors.in_columns);
-  measureMisfits(lines, LineErrorKind::kBoth, stride, memory, threads);
-  std::vector<double>& left = memory.sizes;
-  left.clear();
-  for (const LineMisfit& m : memory.misfits) {
-    if (m.turn.samples >= kMinSamples) left.push_back(m.off);
-  }
-  return left.empty() ? 0.0 : quantile(left, kStepShare);
+  std::vector<LeftOfLine>& of_lines = memory.left;
+  of_lines.assign(static_cast<std::size_t>(lines.count()), LeftOfLine());
+  forEachSampled(lines, stride, memory, threads, [&](int k, LineMisfitMemory& scratch) {
+    const LineMisfit misfit = measureLineMisfit(lines, k, LineErrorKind::kBoth, kBeams, scratch);
+    if (misfit.turn.samples >= kMinSamples) of_lines[k] = {misfit.off, offAsStated(lines, k, scratch)};
+  });
+  const auto most = [&](double LeftOfLine::*off) {
+    std::vector<double>& left = memory.sizes;
+    left.clear();
+    for (const LeftOfLine& of_line : of_lines) {
+      if (of_line.*off >= 0.0) left.push_back(of_line.*off);
+    }
+    return left.empty() ? 0.0 : quantile(left, kStepShare);
+  };
+  return {most(&LeftOfLine::by_slopes), most(&LeftOfLine::as_stated)};
 }
 
 // Whether lines may have errors, at a first look. @param stride of the lines that are looked at otherwise.
@@ -249,9 +266,11 @@ LineErrors estimateAlong(const BeamGrid& grid, bool in_columns, LineErrorMemory&
   const LineErrorKind kind = measureNoise(kRange, memory).significant ? LineErrorKind::kBoth : LineErrorKind::kTurn;
   const LineErrors turns = errorsOf(grid, in_columns, kind, memory, threads);
   if (turns.turn.empty()) return ranges;
-  const double left = leftOf(turns, grid, stride, memory, threads);
-  const double most_left = kind == LineErrorKind::kTurn && !ranges.empty() ? kMostLeftByTurns : kMostLeft;
-  return left < most_left * leftOf(ranges, grid, stride, memory, threads) ? turns : ranges;
+  const LeftOfLine left = leftOf(turns, grid, stride, memory, threads), was = leftOf(ranges, grid, stride, memory, threads);
+  const double most = kind == LineErrorKind::kTurn && !ranges.empty() ? kMostLeftByTurns : kMostLeft;
+  const double most_as_stated = ranges.empty() ? 1.0 : kMostLeftAsStated;  // ranges moved by line hide turns, too
+  const bool better = left.by_slopes < most * was.by_slopes && left.as_stated < most_as_stated * was.as_stated;
+  return better ? turns : ranges;
 }
 
 }  // namespace

@@ -75,22 +75,26 @@ void clearNoisySlopes(double angle, std::vector<LineSample>& samples, std::vecto
   }
 }
 
-void sampleLine(const GridLines& lines, int line, const GridLines::Span& span, bool turns, int beams,
-                const LineMisfit& misfit, std::vector<LineSample>& samples) {
+// Range less what a plane through the beams beside it predicts. @param misfit the weights of the two.
+float errorAt(const GridLines& lines, int line, int beam, const LineMisfit& misfit) {
   const BeamGrid& grid = lines.grid();
   const auto before = static_cast<float>(misfit.before), after = static_cast<float>(misfit.after);
+  const int i = lines.pixel(line, beam), back = i - lines.lineStep(), on = i + lines.lineStep();
+  // The weighted sum of two unit vectors is a little shorter than the one between them.
+  const float length =
+      std::sqrt(before * before + after * after + 2.0F * before * after * grid.direction(back).dot(grid.direction(on)));
+  return grid.range[i] - length / (before / grid.range[back] + after / grid.range[on]);
+}
+
+void sampleLine(const GridLines& lines, int line, const GridLines::Span& span, bool turns, int beams,
+                const LineMisfit& misfit, std::vector<LineSample>& samples) {
   samples.clear();
   const int stride = std::max(1, lines.beams() / beams);
   for (int beam = line % stride; beam < lines.beams(); beam += stride) {
-    const int i = lines.pixel(line, beam), back = i - lines.lineStep(), on = i + lines.lineStep();
-    // The weighted sum of two unit vectors is a little shorter than the one between them.
-    const float length =
-        std::sqrt(before * before + after * after + 2.0F * before * after * grid.direction(back).dot(grid.direction(on)));
-    const float predicted = length / (before / grid.range[back] + after / grid.range[on]);
-    const float error = grid.range[i] - predicted;
+    const float error = errorAt(lines, line, beam, misfit);
     const float slope = turns ? slopeAt(lines, line, beam, span) : 0.0F;
     if (!std::isfinite(error) || !std::isfinite(slope)) continue;
-    samples.push_back({error, slope, turns ? betweenAt(lines, line, beam, span) : 0.0F});
+    samples.push_back({error, slope, turns ? betweenAt(lines, line, beam, span) : 0.0F, beam});
   }
 }
 
@@ -164,6 +168,17 @@ LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kin
   misfit.slope = median(slopes);
   misfit.off = median(off);
   return misfit;
+}
+
+double offAsStated(const GridLines& lines, int line, LineMisfitMemory& memory) {
+  LineMisfit stated;
+  weighNeighbours(lines, line, 1, stated);
+  std::vector<float>& off = memory.numbers;
+  off.clear();
+  for (const LineSample& s : memory.samples) {
+    if (s.slope != 0.0F) off.push_back(std::abs(errorAt(lines, line, s.beam, stated)));
+  }
+  return off.empty() ? 0.0 : median(off);
 }
 
 }  // namespace ppc

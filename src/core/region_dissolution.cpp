@@ -2,6 +2,7 @@
 #include "patch_plane_clustering/core/region_dissolution.h"
 
 #include "patch_plane_clustering/core/beam_planes.h"
+#include "patch_plane_clustering/core/fullest_lines.h"
 #include "patch_plane_clustering/core/lanes.h"
 #include "patch_plane_clustering/core/parallel.h"
 
@@ -21,6 +22,9 @@ constexpr double kClearly = 2.0;      // times what its own plane costs: not exp
 constexpr double kBump = 3.0;         // times what a plane costs its own points: what it may cost those of a bump of it
 constexpr double kMostOfHost = 2.0;   // cost of such a plane's own points that counts: of what fits worse, little is known
 constexpr int kHostSizes = 4;         // least size of such a plane over the bump's
+constexpr double kOfLines = 0.875;    // share of the points that makes the lines that have most of them the whole
+constexpr int kFewestOfTwo = 100;     // points of a region of two lines
+constexpr double kOfTwo = 1.0;        // what planes around may cost a point of such a region [variances]
 constexpr float kFarthest2 = 25.0F;   // squared distance at which a point is an outlier, in variances
 constexpr float kFarthestOf2 = 9.0F;  // and at which it is not of a plane
 
@@ -51,12 +55,17 @@ class Dissolver {
       const bool thin = isThin(region.label);
       if (!thin && !correlated) continue;
       lookAt(region);
-      if ((thin && isExplained(region.label)) || (correlated && isBump(region.label))) dissolved.push_back(region);
+      if ((thin && (isLines(region.label) || isExplained(region.label))) || (correlated && isBump(region.label))) {
+        dissolved.push_back(region);
+      }
     }
     for (const Region& region : dissolved) memory_.points[region.label] = 0;
     for (const Region& region : dissolved) {
       lookAt(region);
-      if (memory_.around.empty()) continue;
+      if (memory_.around.empty()) {
+        for (const int i : memory_.pixels) labels_.labels[i] = 0;
+        continue;
+      }
       measure(region.label, memory_.pixels.size());
       giveAway(region.label);
     }
@@ -184,32 +193,56 @@ class Dissolver {
     return static_cast<float>(std::min<double>(kFarthest2, missed * missed / (variance * along * along)));
   }
 
-  // Sums what points cost for their own plane, and for the nearest one around. @param wanted of the points; all others are
-  // skipped, evenly. @return whether the latter is less than `factor` times the former.
-  bool measure(std::int32_t label, std::size_t wanted, double factor = 1.0) {
+  // What points cost for their own plane, and for the nearest one around.
+  struct Costs {
+    double own = 0.0, others = 0.0;
+  };
+
+  // @param wanted of the points; all others are skipped, evenly.
+  Costs measure(std::int32_t label, std::size_t wanted) {
     const std::vector<std::int32_t>& around = memory_.around;
     const std::size_t step = std::max<std::size_t>(1, memory_.pixels.size() / std::max<std::size_t>(1, wanted));
     memory_.costs.clear();
-    double own = 0.0, others = 0.0;
+    Costs sums;
     for (std::size_t p = 0; p < memory_.pixels.size(); p += step) {
       const int i = memory_.pixels[p];
       const auto [sigma, floor] = planes_.errorsAt(i);
       const double variance = sigma * sigma + floor * floor;
       memory_.costs.push_back(cost(i, label, variance));
-      own += memory_.costs.back();
+      sums.own += memory_.costs.back();
       float least = kFarthest2;
       for (const std::int32_t other : around) {
         memory_.costs.push_back(cost(i, other, variance));
         least = std::min(least, memory_.costs.back());
       }
-      others += least;
+      sums.others += least;
     }
-    return others < factor * own;
+    return sums;
   }
 
   // Most faces are clearly none of this: a few points tell.
   bool isExplained(std::int32_t label) {
-    return !memory_.around.empty() && measure(label, kSample, kClearly) && measure(label, memory_.pixels.size(), kExplained);
+    const auto costs_less = [&](std::size_t wanted, double factor) {
+      const Costs costs = measure(label, wanted);
+      return costs.others < factor * costs.own;
+    };
+    return !memory_.around.empty() && costs_less(kSample, kClearly) && costs_less(memory_.pixels.size(), kExplained);
+  }
+
+  // Whether a region is a line of pixels, or two that may be of two faces as well.
+  bool isLines(std::int32_t label) {
+    const auto lines = static_cast<std::size_t>(std::max(grid_.rows, grid_.cols));
+    const std::size_t points = memory_.pixels.size();
+    if (kOfLines * static_cast<double>(points) > 2.0 * static_cast<double>(lines)) return false;
+    const FullestLines rows = fullestLines(
+        memory_.pixels, grid_.rows, [&](int i) { return i / grid_.cols; }, memory_.in_line);
+    const FullestLines cols = fullestLines(
+        memory_.pixels, grid_.cols, [&](int i) { return i % grid_.cols; }, memory_.in_line);
+    const double whole = kOfLines * static_cast<double>(points);
+    if (std::max(rows.one, cols.one) > whole) return true;
+    if (std::max(rows.two, cols.two) <= whole) return false;
+    return points < kFewestOfTwo ||
+           (!memory_.around.empty() && measure(label, points).others < kOfTwo * static_cast<double>(points));
   }
 
   // Whether a region is a bump of smooth noise on a much larger one beside it, which itself stays: hardly farther from that

@@ -35,7 +35,7 @@ TEST(Config, SmallestRegionFollowsTheImageUnlessItIsGiven) {
   Config config;
   EXPECT_EQ(smallestRegion(config, 300 * 1081), 350);
   EXPECT_EQ(smallestRegion(config, 300 * 361), 196);
-  EXPECT_EQ(smallestRegion(config, 90 * 361), 100);
+  EXPECT_EQ(smallestRegion(config, 90 * 361), 60);
   config.min_size = 40;
   EXPECT_EQ(smallestRegion(config, 300 * 1081), 40);
   config.min_size = 1;

@@ -226,6 +226,31 @@ TEST(EstimateLineErrors, FindsNoneInNoiseHoweverStrong) {
   EXPECT_TRUE(estimateLineErrors(hall()).empty());
 }
 
+// A box from within, of which lines are lost: the others lie anywhere between those beside them, where slopes that are
+// means over some lines are wrong.
+TEST(EstimateLineErrors, FindsNoneWhereLinesAreLost) {
+  for (const double sigma : {0.0, 0.005, 0.01}) {
+    for (const double amplitude : {0.7, 0.9}) {
+      for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+        Normal random(seed);
+        RangeImage image = noddingScan(80, 121, -amplitude, amplitude, 1.5);
+        for (int r = image.rows; r-- > 0;) {
+          if (random.uniform() < 0.5) image.line_poses.erase(image.line_poses.begin() + r);
+        }
+        image.rows = static_cast<int>(image.line_poses.size());
+        image.tilts.clear();
+        image.ranges.resize(static_cast<std::size_t>(image.rows) * image.cols);
+        BeamGrid grid = toBeamGrid(image);
+        scan({wall({1.0, 0.0, 0.0}, 4.0), wall({0.0, 1.0, 0.0}, 3.0), wall({0.0, -1.0, 0.0}, 3.0),
+              wall({0.0, 0.0, 1.0}, 1.5), wall({0.0, 0.0, -1.0}, 1.5)},
+             grid);
+        if (sigma > 0.0) addNoise(grid, sigma);
+        EXPECT_TRUE(estimateLineErrors(grid).empty()) << sigma << ' ' << amplitude << ' ' << seed;
+      }
+    }
+  }
+}
+
 TEST(EstimateLineErrors, LeavesSmallOnesAlone) {
   BeamGrid grid = room();
   addLineErrors(0.002, grid);

@@ -134,6 +134,48 @@ TEST(DissolveRegions, DissolvesBumpsWhereNoiseIsSmooth) {
   }
 }
 
+// A face of its own, so far in front of the walls that these do not explain it; columns from kEdge on, rows below `end`.
+int leftOfFace(int columns, int end, bool alone = false) {
+  Step step(kEdge, kEdge + columns, 2.7);
+  for (int i = 0; i < step.grid.size(); ++i) {
+    std::int32_t& label = step.labels.labels[i];
+    if (label == 3) step.grid.range[i] -= static_cast<float>(kFar - 2.7);
+    if (label == 3 && i >= step.grid.index(end, 0)) label = 0;
+    if (label != 3 && alone) label = 0;
+  }
+  const int before = countOf(step.labels, 3), left = step.left(40);
+  EXPECT_TRUE(left == 0 || left == before);
+  return left;
+}
+
+TEST(DissolveRegions, ALineIsNoFace) {
+  EXPECT_EQ(leftOfFace(1, kRows), 0);
+  EXPECT_EQ(leftOfFace(1, kRows, true), 0);  // though nothing is around
+}
+
+TEST(DissolveRegions, TwoLinesNeedMorePointsThanThree) {
+  EXPECT_EQ(leftOfFace(2, kRows), 2 * (kRows - 5));
+  EXPECT_EQ(leftOfFace(2, kRows, true), 2 * (kRows - 5));
+  EXPECT_EQ(leftOfFace(2, 50), 0);
+  EXPECT_EQ(leftOfFace(2, 50, true), 0);
+  EXPECT_EQ(leftOfFace(3, 50), 3 * 45);
+}
+
+// Of either wall a line, and the plane through both.
+TEST(DissolveRegions, TwoLinesOfTwoFacesAreNone) {
+  Step step(kEdge - 1, kEdge + 1, kNear);
+  const auto across = [&](int col) {
+    const Eigen::Vector3f u = step.grid.direction(step.grid.index(kRows / 2, col));
+    return static_cast<double>(u.y() / u.x());
+  };
+  Eigen::Matrix2d through;
+  through << kNear, kNear * across(kEdge - 1), kFar, kFar * across(kEdge);
+  const Eigen::Vector2d a = through.inverse() * Eigen::Vector2d::Ones();
+  step.planes[3] = {a.x(), a.y(), 0.0};
+  EXPECT_EQ(step.left(), 0);
+  EXPECT_GT(step.shareOf(1, kEdge - 1, kEdge + 1) + step.shareOf(2, kEdge - 1, kEdge + 1), 0.95);
+}
+
 TEST(DissolveRegions, LeavesLargeRegionsAlone) {
   Step step(kEdge - 3, kEdge + 3, 0.5 * (kNear + kFar));
   EXPECT_EQ(step.left(31), 510);

@@ -19,6 +19,12 @@ struct LineErrors {
   bool empty() const { return range.empty() && turn.empty(); }
 };
 
+/// @brief What the sloped beams of a line are off, the middle one [m]; -1 where it is not known.
+struct LeftOfLine {
+  double by_slopes = -1.0;  ///< as LineMisfit::off
+  double as_stated = -1.0;  ///< as offAsStated()
+};
+
 /// @brief Working memory of estimateLineErrors(), which one image after the other may use.
 struct LineErrorMemory {
   std::vector<LineMisfit> misfits;          ///< of each line
@@ -26,6 +32,7 @@ struct LineErrorMemory {
   std::vector<LineMisfit> wide;             ///< of each line, against lines farther off
   std::vector<WideMisfitMemory> wide_of_thread;
   std::vector<double> sizes, spreads, deviations, slopes, uneven;
+  std::vector<LeftOfLine> left;
   BeamGrid corrected;
 };
 

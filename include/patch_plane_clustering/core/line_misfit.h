@@ -35,6 +35,7 @@ struct LineSample {
   float error;    ///< range less what a plane through the two predicts half-way between them [m]
   float slope;    ///< change of range with tilt; 0 if it is hardly more than noise [m/rad]
   float between;  ///< what the beam is said to be off the middle between the two, towards the next line [rad]
+  int beam;
 };
 
 /// @brief Sets the weights with which the lines `reach` before and after a line predict it, wherever it lies between them.
@@ -53,5 +54,11 @@ struct LineMisfitMemory {
 /// @param line neither the first nor the last. @param beams of the line that are looked at, about.
 /// @param memory overwritten.
 LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kind, int beams, LineMisfitMemory& memory);
+
+/// @brief What the sloped beams of a line are off as their directions stand, the middle one [m]: against planes through the
+/// two beams beside each, met where it is said to lie between them. Slopes do not count in it, which are means over some
+/// lines, and wrong where a line is far off the middle.
+/// @param memory as measureLineMisfit() has left it, which has looked for turns of this line.
+double offAsStated(const GridLines& lines, int line, LineMisfitMemory& memory);
 
 }  // namespace ppc

@@ -25,6 +25,7 @@ struct DissolutionMemory {
   std::vector<RegionStretches::Region> dissolved;  ///< those of them that are dissolved
   std::vector<int> pixels;                         ///< with a measurement, of the region that is looked at
   std::vector<int> touches;                        ///< of each label: how often that region touches it
+  std::vector<int> in_line;                        ///< points of that region in each row, or column
   std::vector<std::int32_t> around;                ///< labels that it touches
   std::vector<float> mean_costs;                   ///< of each label's plane for its own points, -1 until it is asked for
   std::vector<float> costs;                        ///< of each pixel for its own plane and for each of those around
@@ -43,6 +44,11 @@ struct DissolutionMemory {
 /// point goes to that region around whose plane fits best over the region's pixels among the nine about it, or to none if
 /// that is 3 standard deviations off. Of two that explain only each other, neither is dissolved. Thread-safe with memory of
 /// one's own.
+///
+/// Two parallel lines lie on a plane whatever faces they are of, and one line on many. So a region is dissolved too if seven
+/// eighths of its points are in one row or column of the image; likewise if they are in two, and it has fewer than 100
+/// points or the planes around cost them one variance a point at most. Sweeps that have lost lines, and sensors of few, show
+/// such.
 ///
 /// Where noise is smooth (CoplanarityTolerance::inflation_growth), a bump of it passes for a region on the plane about it,
 /// and no number of its points tells more. There, regions of any shape are dissolved too if beside them is one four times as
