@@ -13,14 +13,19 @@
 namespace ppc {
 namespace {
 
-constexpr double kMinAmplitude = 0.5;   // of a bend, in tolerances of distance
-constexpr int kStripSizes = 2;          // largest size of such a strip over its neighbour's
-constexpr double kWeakTurn = 0.31;      // of a strip beside a curved one, in max_turn
-constexpr double kWeakAmplitude = 0.2;  // likewise, in tolerances of distance
-constexpr double kEdgeTolerance = 3.0;  // of a bent edge of a plane, in tolerances of distance
-constexpr int kEdgeSizes = 4;           // smallest size of that plane over the edge's: what is larger is no edge of it
-constexpr double kRangeSlack = 0.1;     // between the ranges of regions that touch, over what both span
-constexpr int kMaxGap = 2;              // pixels between regions that touch
+constexpr double kMinAmplitude = 0.5;     // of a bend, in tolerances of distance
+constexpr double kClearExcess = 3.0;      // of a bend beyond doubt, over what is significant;
+constexpr double kClearTurn = 0.75;       // its turn, in max_turn,
+constexpr double kClearAmplitude = 0.75;  // and amplitude
+constexpr int kStripSizes = 2;            // largest size of such a strip over its neighbour's
+constexpr double kWeakTurn = 0.31;        // of a strip beside a curved one, in max_turn
+constexpr double kWeakAmplitude = 0.2;    // likewise, in tolerances of distance
+constexpr double kWeakExcess = 0.7;       // likewise in white noise, over what is significant
+constexpr double kWeakClearTurn = 0.18;   // likewise, if the bend is beyond doubt, in max_turn
+constexpr double kEdgeTolerance = 3.0;    // of a bent edge of a plane, in tolerances of distance
+constexpr int kEdgeSizes = 4;             // smallest size of that plane over the edge's: what is larger is no edge of it
+constexpr double kRangeSlack = 0.1;       // between the ranges of regions that touch, over what both span
+constexpr int kMaxGap = 2;                // pixels between regions that touch
 
 // A measured point of a region, about samples.center [m].
 Eigen::Vector3d measuredPoint(const SurfaceSamples& samples, std::size_t i) {
@@ -115,14 +120,18 @@ void planarNames(const BeamGrid& grid, const NoiseModel& noise, const Coplanarit
   std::vector<char>&curved = memory.curved, &weak = memory.weak;
   curved.assign(regions.size(), 0);
   weak.assign(regions.size(), 0);
+  const bool white = tolerance.isWhite();  // else an excess tells less than it seems to
   for (std::size_t label = 1; label < regions.size(); ++label) {
     const Bend& bend = bends[label];
-    const bool bends_weakly = bend.turn > kWeakTurn * max_turn &&
-                              bend.amplitude > kWeakAmplitude * tolerance.sigma_distance &&
-                              bend.excess > kBendSignificance * tolerance.inflation;
+    const double excess = bend.excess / (kBendSignificance * tolerance.inflation);
+    const auto bends_by = [&](double turn, double amplitude) {
+      return bend.turn > turn * max_turn && bend.amplitude > amplitude * tolerance.sigma_distance;
+    };
+    const bool bends_weakly = (excess > (white ? kWeakExcess : 1.0) && bends_by(kWeakTurn, kWeakAmplitude)) ||
+                              (white && excess > kClearExcess && bends_by(kWeakClearTurn, kWeakAmplitude));
+    const bool bends_much = bends_by(1.0, kMinAmplitude) || (excess > kClearExcess && bends_by(kClearTurn, kClearAmplitude));
     weak[label] = bends_weakly ? 1 : 0;
-    curved[label] =
-        bends_weakly && bend.turn > max_turn && bend.amplitude > kMinAmplitude * tolerance.sigma_distance ? 1 : 0;
+    curved[label] = excess > 1.0 && bends_much ? 1 : 0;
   }
   std::vector<char>& alone = memory.alone;
   alone = curved;

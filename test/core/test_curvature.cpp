@@ -111,6 +111,43 @@ TEST(DropCurvedRegions, ClearsStripsOfAFan) {
   EXPECT_EQ(countOf(scene.labels, 0), scene.grid.size());
 }
 
+// It turns by less than the limit, but its bend is far beyond noise and tolerance.
+TEST(DropCurvedRegions, ClearsAStripThatBendsBeyondDoubt) {
+  const NoiseModel coarse(SensorModel{0.04, 0.04, 10.0, 0.0}, 1.0);
+  const auto pointsLeft = [&](double angle, double sigma, const NoiseModel& noise) {
+    Scene scene({column(4.0, 0.0, 1.0)}, sigma);
+    scene.stripsOfColumn(angle, 0.5 * angle);
+    const int before = countOf(scene.labels, 1);
+    scene.drop(0.45, noise);
+    const int left = countOf(scene.labels, 1);
+    EXPECT_TRUE(left == 0 || left == before);
+    return left;
+  };
+  EXPECT_EQ(pointsLeft(0.4, 0.01, kNoise), 0);
+  EXPECT_GT(pointsLeft(0.4, 0.04, coarse), 1000);  // noise makes it doubtful
+  EXPECT_GT(pointsLeft(0.3, 0.01, kNoise), 1000);
+}
+
+// Half a column, and a strip beside it that turns by a tenth of a radian, no part of one surface with it. In correlated
+// noise a bend tells less than it seems to.
+TEST(DropCurvedRegions, ClearsAStripThatHardlyTurnsBesideACurvedOne) {
+  const NoiseModel fine(SensorModel{0.005, 0.005, 10.0, 0.0}, 1.0);
+  const auto depth = [](double y) {
+    return y < 0.0 ? 4.0 - std::sqrt(1.0 - std::min(1.0, y * y)) : 3.0 - 0.0055 * (1.0 - std::pow((y - 0.2) / 0.2, 2));
+  };
+  for (const bool white : {true, false}) {
+    Scene scene({relief(depth)}, 0.005);
+    for (int i = 0; i < scene.grid.size(); ++i) {
+      const float y = scene.grid.point(i).y();
+      scene.labels.labels[i] = y < -0.6F || y > 0.4F ? 0 : y < 0.0F ? 1 : 2;
+    }
+    CoplanarityTolerance tolerance = kTolerance;
+    if (!white) tolerance.inflation_growth = 0.01;
+    const std::vector<std::int32_t> names = planarNames(scene.grid, fine, tolerance, 0.45, labelRuns(scene.labels));
+    EXPECT_EQ(names, (std::vector<std::int32_t>{0, 0, white ? 0 : 2})) << white;
+  }
+}
+
 TEST(DropCurvedRegions, KeepsTheSidesOfAPostInMuchNoise) {
   const NoiseModel coarse(SensorModel{0.04, 0.04, 10.0, 0.0}, 1.0);
   for (const double half : {0.7, 1.0, 1.4}) {  // edges of 70, 90 and 109 deg
