@@ -38,11 +38,11 @@ constexpr int kReaches[] = {1, 4, 16, 40};  // lines to either side that tell of
 constexpr double kBent = 0.15;              // of single beams' noise: what planes of the scene are bent from line to line
 constexpr double kMostLeft = 0.75;          // of what sloped beams are off, if turned lines are worth it
 constexpr double kMostLeftByTurns = 0.95;   // if they are turned instead of being moved
-constexpr double kMostLeftAsStated = 1.2;   // likewise, by their directions: slopes are wrong beside uneven gaps
 
 // One of the errors that lines may have.
 using Component = LineFit LineMisfit::*;
 constexpr Component kRange = &LineMisfit::range;
+constexpr Component kRangeAlone = &LineMisfit::range_alone;
 constexpr Component kTurn = &LineMisfit::turn;
 
 // Standard deviations over all lines, of one of the two errors [m or rad].
@@ -69,12 +69,12 @@ LineNoise measureNoise(Component component, LineErrorMemory& memory, int beams =
   LineNoise noise;
   if (static_cast<int>(sizes.size()) < kMinLines / kGlance) return noise;
   const double spread = median(spreads), deviation = median(deviations);
-  noise.misfit = component == kRange ? kMadToSigma * median(sizes) : quantile(sizes, kStepShare) / kStepQuantile;
+  noise.misfit = component == kTurn ? quantile(sizes, kStepShare) / kStepQuantile : kMadToSigma * median(sizes);
   noise.uneven = std::max(deviation, kMadToSigma * median(uneven));
   // Half a neighbour's error on either side adds to a line's own: 1 + 1/4 + 1/4.
   noise.error = std::sqrt(std::max(0.0, noise.misfit * noise.misfit - deviation * deviation) / 1.5);
-  const double shown = component == kRange ? noise.error : noise.error * median(slopes);  // in ranges
-  const double least = std::max(kLeastError, (component == kRange ? kLeastShare : kLeastTurnShare) * spread);
+  const double shown = component == kTurn ? noise.error * median(slopes) : noise.error;  // in ranges
+  const double least = std::max(kLeastError, (component == kTurn ? kLeastTurnShare : kLeastShare) * spread);
   noise.significant = shown > share * least && noise.misfit > share * kSignificance * deviation;
   return noise;
 }
@@ -221,7 +221,7 @@ LineErrors errorsOf(const BeamGrid& grid, bool in_columns, LineErrorKind kind, L
   return errors;
 }
 
-// What sloped beams are off without these errors, in those lines where they are off most [m].
+// What sloped beams are off without these errors, in those lines where they are off most.
 LeftOfLine leftOf(const LineErrors& errors, const BeamGrid& grid, int stride, LineErrorMemory& memory, int threads) {
   if (!errors.empty()) removeLineErrors(errors, grid, memory.corrected);
   const GridLines lines(errors.empty() ? grid : memory.corrected, errors.in_columns);
@@ -237,7 +237,7 @@ LeftOfLine leftOf(const LineErrors& errors, const BeamGrid& grid, int stride, Li
     for (const LeftOfLine& of_line : of_lines) {
       if (of_line.*off >= 0.0) left.push_back(of_line.*off);
     }
-    return left.empty() ? 0.0 : quantile(left, kStepShare);
+    return left.empty() ? -1.0 : quantile(left, kStepShare);
   };
   return {most(&LeftOfLine::by_slopes), most(&LeftOfLine::as_stated)};
 }
@@ -246,7 +246,8 @@ LeftOfLine leftOf(const LineErrors& errors, const BeamGrid& grid, int stride, Li
 bool maySuffer(const GridLines& lines, int stride, LineErrorMemory& memory, int threads) {
   if (lines.count() < kMinLinesSuspected * stride) return true;
   measureMisfits(lines, LineErrorKind::kBoth, stride, memory, threads, kFewBeams);
-  return measureNoise(kRange, memory, kFewBeams, kSuspicion).significant ||
+  // Fitted together, a turn may take much of what is an error of range.
+  return measureNoise(kRangeAlone, memory, kFewBeams, kSuspicion).significant ||
          measureNoise(kTurn, memory, kFewBeams, kSuspicion).significant;
 }
 
@@ -268,9 +269,9 @@ LineErrors estimateAlong(const BeamGrid& grid, bool in_columns, LineErrorMemory&
   if (turns.turn.empty()) return ranges;
   const LeftOfLine left = leftOf(turns, grid, stride, memory, threads), was = leftOf(ranges, grid, stride, memory, threads);
   const double most = kind == LineErrorKind::kTurn && !ranges.empty() ? kMostLeftByTurns : kMostLeft;
-  const double most_as_stated = ranges.empty() ? 1.0 : kMostLeftAsStated;  // ranges moved by line hide turns, too
-  const bool better = left.by_slopes < most * was.by_slopes && left.as_stated < most_as_stated * was.as_stated;
-  return better ? turns : ranges;
+  const bool known = left.by_slopes >= 0.0, better = left.by_slopes < most * was.by_slopes;
+  // Beside gaps between lines slopes are wrong: there it shows by the directions alone that nothing gets better.
+  return known && better && left.as_stated < was.as_stated ? turns : ranges;
 }
 
 }  // namespace

@@ -67,8 +67,8 @@ double fitTurn(const std::vector<LineSample>& samples, double range, std::vector
   return weightedMedian(scratch);
 }
 
-void clearNoisySlopes(double angle, std::vector<LineSample>& samples, std::vector<float>& scratch) {
-  const double spread = spreadOf(samples, fitRange(samples, 0.0, scratch), 0.0, scratch);
+// @param spread of single beams [m].
+void clearNoisySlopes(double angle, double spread, std::vector<LineSample>& samples) {
   const auto least = static_cast<float>(kClearSlope * std::sqrt(2.0) * spread / angle);
   for (LineSample& s : samples) {
     if (std::abs(s.slope) < least) s.slope = 0.0F;
@@ -129,7 +129,12 @@ LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kin
   misfit.range.samples = static_cast<int>(samples.size());
   if (samples.empty()) return misfit;
 
-  if (turns) clearNoisySlopes(span.angle, samples, scratch);
+  const auto deviationOf = [](double spread) { return std::max(1e-6, kMedianLoss * spread); };  // of single beams
+  if (turns) {
+    const double alone = fitRange(samples, 0.0, scratch), spread = spreadOf(samples, alone, 0.0, scratch);
+    misfit.range_alone = {alone, deviationOf(spread) / std::sqrt(static_cast<double>(samples.size())), misfit.range.samples};
+    clearNoisySlopes(span.angle, spread, samples);
+  }
   double range = 0.0, turn = 0.0;  // the turn against the middle between the two
   for (int round = 0; round < (turns && ranges ? kRounds : 1); ++round) {
     const double before = range;
@@ -156,7 +161,7 @@ LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kin
     off.push_back(std::abs(s.error - s.slope * s.between));
   }
   const double shared = turns && ranges ? sums * sums : 0.0;
-  const double deviation = std::max(1e-6, kMedianLoss * misfit.spread);
+  const double deviation = deviationOf(misfit.spread);
   const auto of = [&](double sum, double other) {
     const double information = sum - (shared > 0.0 ? shared / other : 0.0);
     return information > 0.0 ? deviation / std::sqrt(information) : std::numeric_limits<double>::infinity();

@@ -79,6 +79,19 @@ TEST(EstimateLineErrors, FindsSlowChangesFromLinesFartherOff) {
   EXPECT_LT(rms(leftOf(truth, found.range)), 0.004);  // 0.0075 from neighbours alone
 }
 
+// Of one wall askew, all slopes have one sign: a turn explains much of what is an error of range.
+TEST(EstimateLineErrors, FindsThemWhereTurnsExplainMuchOfThem) {
+  int found = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    BeamGrid grid = forwardBeams(kRows, kCols, kStep);
+    scan({wall({-1.0, 0.3, 0.6}, -3.0)}, grid);
+    addNoise(grid, 0.035, 0.0, 0.0, seed);
+    addLineErrors(0.02, grid);
+    found += estimateLineErrors(grid).range.empty() ? 0 : 1;
+  }
+  EXPECT_EQ(found, 20);
+}
+
 TEST(EstimateLineErrors, FindsThemWithFewBeamsOrManyGaps) {
   for (const int stride : {1, 2}) {  // gaps here and there, or every second column alone
     BeamGrid grid = room();

@@ -19,7 +19,7 @@ struct LineErrors {
   bool empty() const { return range.empty() && turn.empty(); }
 };
 
-/// @brief What the sloped beams of a line are off, the middle one [m]; -1 where it is not known.
+/// @brief What the sloped beams of a line, or of those that are off most, are off [m]; -1 where it is not known.
 struct LeftOfLine {
   double by_slopes = -1.0;  ///< as LineMisfit::off
   double as_stated = -1.0;  ///< as offAsStated()

@@ -23,6 +23,7 @@ struct LineFit {
 struct LineMisfit {
   double before = 0.5, after = 0.5;  ///< weights of the two
   LineFit range;                     ///< error of all ranges
+  LineFit range_alone;               ///< the same if there were none of tilt; only where turns are looked for
   LineFit turn;                      ///< error of tilt: the line lies this much nearer to the next than is said
   double between = 0.0;              ///< what it is said to be off the middle between the two, towards the next [rad]
   double spread = 0.0;               ///< standard deviation of single beams about the fit [m]
@@ -56,8 +57,8 @@ struct LineMisfitMemory {
 LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kind, int beams, LineMisfitMemory& memory);
 
 /// @brief What the sloped beams of a line are off as their directions stand, the middle one [m]: against planes through the
-/// two beams beside each, met where it is said to lie between them. Slopes do not count in it, which are means over some
-/// lines, and wrong where a line is far off the middle.
+/// two beams beside each, where the beam that moves most is said to lie between its two. Slopes do not count in it, which
+/// are means over some lines, and wrong where a line is far off the middle.
 /// @param memory as measureLineMisfit() has left it, which has looked for turns of this line.
 double offAsStated(const GridLines& lines, int line, LineMisfitMemory& memory);
 
