@@ -120,7 +120,8 @@ void planarNames(const BeamGrid& grid, const NoiseModel& noise, const Coplanarit
   std::vector<char>&curved = memory.curved, &weak = memory.weak;
   curved.assign(regions.size(), 0);
   weak.assign(regions.size(), 0);
-  const bool white = tolerance.isWhite();  // else an excess tells less than it seems to
+  // Else an excess tells less than it seems to; in smooth noise, which makes bumps, little.
+  const bool white = tolerance.isWhite(), bumpy = tolerance.inflation_growth > 0.0;
   for (std::size_t label = 1; label < regions.size(); ++label) {
     const Bend& bend = bends[label];
     const double excess = bend.excess / (kBendSignificance * tolerance.inflation);
@@ -129,7 +130,8 @@ void planarNames(const BeamGrid& grid, const NoiseModel& noise, const Coplanarit
     };
     const bool bends_weakly = (excess > (white ? kWeakExcess : 1.0) && bends_by(kWeakTurn, kWeakAmplitude)) ||
                               (white && excess > kClearExcess && bends_by(kWeakClearTurn, kWeakAmplitude));
-    const bool bends_much = bends_by(1.0, kMinAmplitude) || (excess > kClearExcess && bends_by(kClearTurn, kClearAmplitude));
+    const bool bends_much =
+        bends_by(1.0, kMinAmplitude) || (!bumpy && excess > kClearExcess && bends_by(kClearTurn, kClearAmplitude));
     weak[label] = bends_weakly ? 1 : 0;
     curved[label] = excess > 1.0 && bends_much ? 1 : 0;
   }

@@ -23,10 +23,11 @@ constexpr double kBump = 3.0;         // times what a plane costs its own points
 constexpr double kMostOfHost = 2.0;   // cost of such a plane's own points that counts: of what fits worse, little is known
 constexpr int kHostSizes = 4;         // least size of such a plane over the bump's
 constexpr double kOfLines = 0.875;    // share of the points that makes the lines that have most of them the whole
-constexpr int kFewestOfTwo = 100;     // points of a region of two lines
-constexpr double kOfTwo = 1.0;        // what planes around may cost a point of such a region [variances]
-constexpr float kFarthest2 = 25.0F;   // squared distance at which a point is an outlier, in variances
-constexpr float kFarthestOf2 = 9.0F;  // and at which it is not of a plane
+constexpr double kSizesOfTwo = 5.0 / 3.0;  // least size of a region of two lines over the smallest,
+constexpr double kFewestOfTwo = 100.0;     // but no more points
+constexpr double kOfTwo = 1.5;             // what planes around may cost a point of such a region [variances]
+constexpr float kFarthest2 = 25.0F;        // squared distance at which a point is an outlier, in variances
+constexpr float kFarthestOf2 = 9.0F;       // and at which it is not of a plane
 
 using Region = RegionStretches::Region;
 
@@ -52,22 +53,23 @@ class Dissolver {
     std::vector<Region>& dissolved = memory_.dissolved;
     dissolved.clear();
     for (const Region& region : memory_.judged.regions) {
-      const bool thin = isThin(region.label);
-      if (!thin && !correlated) continue;
+      const bool thin = isThin(region.label), few = mayBeLines(region.label);
+      if (!thin && !few && !correlated) continue;
       lookAt(region);
-      if ((thin && (isLines(region.label) || isExplained(region.label))) || (correlated && isBump(region.label))) {
+      if ((few && isLines(region.label)) || (thin && isExplained(region.label)) || (correlated && isBump(region.label))) {
         dissolved.push_back(region);
       }
     }
     for (const Region& region : dissolved) memory_.points[region.label] = 0;
     for (const Region& region : dissolved) {
       lookAt(region);
-      if (memory_.around.empty()) {
+      const bool lines = mayBeLines(region.label) && isLines(region.label);
+      if (!memory_.around.empty()) {
+        measure(region.label, memory_.pixels.size());
+        giveAway(region.label, lines);
+      } else if (lines) {  // else regions that explain each other, which stay
         for (const int i : memory_.pixels) labels_.labels[i] = 0;
-        continue;
       }
-      measure(region.label, memory_.pixels.size());
-      giveAway(region.label);
     }
     if (!dissolved.empty()) listRuns(labels_, memory_.listing, runs_, threads_);
   }
@@ -229,11 +231,14 @@ class Dissolver {
     return !memory_.around.empty() && costs_less(kSample, kClearly) && costs_less(memory_.pixels.size(), kExplained);
   }
 
+  // Whether a region has so few points that two lines of the image may hold them.
+  bool mayBeLines(std::int32_t label) const {
+    return kOfLines * memory_.points[label] <= 2.0 * std::max(grid_.rows, grid_.cols);
+  }
+
   // Whether a region is a line of pixels, or two that may be of two faces as well.
   bool isLines(std::int32_t label) {
-    const auto lines = static_cast<std::size_t>(std::max(grid_.rows, grid_.cols));
     const std::size_t points = memory_.pixels.size();
-    if (kOfLines * static_cast<double>(points) > 2.0 * static_cast<double>(lines)) return false;
     const FullestLines rows = fullestLines(
         memory_.pixels, grid_.rows, [&](int i) { return i / grid_.cols; }, memory_.in_line);
     const FullestLines cols = fullestLines(
@@ -241,7 +246,7 @@ class Dissolver {
     const double whole = kOfLines * static_cast<double>(points);
     if (std::max(rows.one, cols.one) > whole) return true;
     if (std::max(rows.two, cols.two) <= whole) return false;
-    return points < kFewestOfTwo ||
+    return static_cast<double>(points) < std::min(kFewestOfTwo, kSizesOfTwo * smallest_) ||
            (!memory_.around.empty() && measure(label, points).others < kOfTwo * static_cast<double>(points));
   }
 
@@ -284,7 +289,8 @@ class Dissolver {
     return cost(i, label, sigma * sigma + floor * floor);
   }
 
-  void giveAway(std::int32_t label) {
+  // @param one_by_one each point by itself: those about it may be of other faces.
+  void giveAway(std::int32_t label, bool one_by_one) {
     const std::vector<int>& pixels = memory_.pixels;
     const std::size_t count = memory_.around.size() + 1;
     memory_.place.resize(static_cast<std::size_t>(grid_.size()));
@@ -294,7 +300,7 @@ class Dissolver {
       std::size_t best = 1;
       float least = 0.0F;
       for (std::size_t k = 1; k < count; ++k) {
-        const float sum = sumAround(pixels[p], label, k, count);
+        const float sum = one_by_one ? memory_.costs[p * count + k] : sumAround(pixels[p], label, k, count);
         if (k > 1 && sum >= least) continue;
         best = k;
         least = sum;

@@ -126,6 +126,16 @@ TEST(DropCurvedRegions, ClearsAStripThatBendsBeyondDoubt) {
   EXPECT_EQ(pointsLeft(0.4, 0.01, kNoise), 0);
   EXPECT_GT(pointsLeft(0.4, 0.04, coarse), 1000);  // noise makes it doubtful
   EXPECT_GT(pointsLeft(0.3, 0.01, kNoise), 1000);
+  // Of a thin column, it is hardly as high as the tolerance.
+  const NoiseModel fine(SensorModel{0.003, 0.003, 10.0, 0.0}, 1.0);
+  Scene thin({column(3.4, 0.0, 0.4)}, 0.003);
+  for (int i = 0; i < thin.grid.size(); ++i) {
+    if (!(std::abs(thin.grid.point(i).y()) < 0.4F * std::sin(0.2F))) thin.labels.labels[i] = 0;
+  }
+  const int before = countOf(thin.labels, 1);
+  ASSERT_GT(before, 500);
+  thin.drop(0.45, fine);
+  EXPECT_EQ(countOf(thin.labels, 1), before);
 }
 
 // Half a column, and a strip beside it that turns by a tenth of a radian, no part of one surface with it. In correlated

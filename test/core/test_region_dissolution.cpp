@@ -135,7 +135,7 @@ TEST(DissolveRegions, DissolvesBumpsWhereNoiseIsSmooth) {
 }
 
 // A face of its own, so far in front of the walls that these do not explain it; columns from kEdge on, rows below `end`.
-int leftOfFace(int columns, int end, bool alone = false) {
+int leftOfFace(int columns, int end, bool alone = false, int smallest = 40) {
   Step step(kEdge, kEdge + columns, 2.7);
   for (int i = 0; i < step.grid.size(); ++i) {
     std::int32_t& label = step.labels.labels[i];
@@ -143,7 +143,7 @@ int leftOfFace(int columns, int end, bool alone = false) {
     if (label == 3 && i >= step.grid.index(end, 0)) label = 0;
     if (label != 3 && alone) label = 0;
   }
-  const int before = countOf(step.labels, 3), left = step.left(40);
+  const int before = countOf(step.labels, 3), left = step.left(smallest);
   EXPECT_TRUE(left == 0 || left == before);
   return left;
 }
@@ -156,24 +156,63 @@ TEST(DissolveRegions, ALineIsNoFace) {
 TEST(DissolveRegions, TwoLinesNeedMorePointsThanThree) {
   EXPECT_EQ(leftOfFace(2, kRows), 2 * (kRows - 5));
   EXPECT_EQ(leftOfFace(2, kRows, true), 2 * (kRows - 5));
-  EXPECT_EQ(leftOfFace(2, 50), 0);
-  EXPECT_EQ(leftOfFace(2, 50, true), 0);
+  EXPECT_EQ(leftOfFace(2, 50, false, 60), 0);
+  EXPECT_EQ(leftOfFace(2, 50, true, 60), 0);
   EXPECT_EQ(leftOfFace(3, 50), 3 * 45);
+  EXPECT_EQ(leftOfFace(2, 50, false, 20), 2 * 45);  // by the smallest size
 }
 
-// Of either wall a line, and the plane through both.
-TEST(DissolveRegions, TwoLinesOfTwoFacesAreNone) {
+TEST(DissolveRegions, ALineBetweenLostLinesIsNoFace) {
+  Step step(0, 0, kNear);
+  for (int i = 0; i < step.grid.size(); ++i) {
+    const int row = i / kCols;
+    step.labels.labels[i] = row == 40 ? 3 : 0;
+    if (row != 40 && std::abs(row - 40) < 3) step.grid.range[i] = kNoRange;
+  }
+  EXPECT_EQ(step.left(), 0);
+}
+
+// Of either wall a line, and the plane through both. @param farther of the wall behind. @param sigmas what the lines stand
+// off the walls.
+int leftOfTwoLines(double farther, double sigmas, double share_given) {
   Step step(kEdge - 1, kEdge + 1, kNear);
+  const double far = kFar + farther;
+  for (int r = 0; r < kRows; ++r) {
+    for (int c = kEdge; c < kCols; ++c) step.grid.range[step.grid.index(r, c)] += static_cast<float>(farther);
+  }
+  step.planes[2] = Step::at(far);
+  const double off = sigmas * kSigma;
+  step.forEachPixel(kEdge - 1, kEdge + 1, [&](int i) { step.grid.range[i] += static_cast<float>(off); });
   const auto across = [&](int col) {
     const Eigen::Vector3f u = step.grid.direction(step.grid.index(kRows / 2, col));
     return static_cast<double>(u.y() / u.x());
   };
   Eigen::Matrix2d through;
-  through << kNear, kNear * across(kEdge - 1), kFar, kFar * across(kEdge);
+  through << kNear + off, (kNear + off) * across(kEdge - 1), far + off, (far + off) * across(kEdge);
   const Eigen::Vector2d a = through.inverse() * Eigen::Vector2d::Ones();
   step.planes[3] = {a.x(), a.y(), 0.0};
-  EXPECT_EQ(step.left(), 0);
-  EXPECT_GT(step.shareOf(1, kEdge - 1, kEdge + 1) + step.shareOf(2, kEdge - 1, kEdge + 1), 0.95);
+  const int left = step.left();
+  EXPECT_GE(step.shareOf(1, kEdge - 1, kEdge), share_given);
+  EXPECT_GE(step.shareOf(2, kEdge, kEdge + 1), share_given);
+  return left;
+}
+
+TEST(DissolveRegions, TwoLinesOfTwoFacesAreNone) {
+  EXPECT_EQ(leftOfTwoLines(0.5, 0.0, 0.95), 0);  // though their plane fits as well as the walls do
+  EXPECT_EQ(leftOfTwoLines(0.0, 0.0, 0.7), 0);
+  EXPECT_EQ(leftOfTwoLines(0.5, 1.5, 0.0), 2 * (kRows - 5));  // off the walls: a face
+}
+
+// Each is nearer to the other's plane than to its own, and nothing else is around.
+TEST(DissolveRegions, KeepsRegionsThatExplainOnlyEachOther) {
+  Step step(0, 0, kNear);
+  std::fill(step.labels.labels.begin(), step.labels.labels.end(), 0);
+  step.planes.push_back(Step::at(kFar));
+  step.planes[3] = Step::at(kNear);
+  step.forEachPixel(kEdge - 3, kEdge, [&](int i) { step.labels.labels[i] = 4; });
+  step.forEachPixel(kEdge, kEdge + 3, [&](int i) { step.labels.labels[i] = 3; });
+  EXPECT_EQ(step.left(), 3 * (kRows - 5));
+  EXPECT_EQ(countOf(step.labels, 4), 3 * (kRows - 5));
 }
 
 TEST(DissolveRegions, LeavesLargeRegionsAlone) {

@@ -44,7 +44,7 @@ struct Config {
 };
 
 /// @brief Points that a region must have at least: config.min_size (but no less than 3) or, if that is 0, one for every 550
-/// pixels of the image, 100 to 350. A fixed number would leave out of a coarse scan what a person calls a wall.
+/// pixels of the image, 60 to 350. A fixed number would leave out of a coarse scan what a person calls a wall.
 int smallestRegion(const Config& config, int pixels);
 
 /// @brief One tunable field: its public name, meaning, unit and allowed range. Booleans and integers are carried as doubles.

@@ -35,12 +35,13 @@ std::vector<Bend> measureBends(const BeamGrid& grid, const LabelImage& labels, c
 /// @brief Tells planar regions from pieces of curved surfaces: strips of a cylinder, caps of a sphere.
 ///
 /// A region is curved if its normal turns by more than `max_turn` from end to end *and* the bend is beyond noise and
-/// tolerance; three quarters of that turn do if the bend is far beyond both. The turn tells a cylinder (a strip as thick as the noise still turns by tenths of a radian) from a real wall,
-/// which may bow by a centimetre over several metres. Touching regions that meet at an angle are strips of one curved
-/// surface if one quadratic surface serves both; at the crease of two planes it does not (of an evenly sampled one, a
-/// sixteenth of what one plane leaves remains). So come the halves of a thin column in much noise, nearly at right angles;
-/// strips at its limbs, beside one that is found curved, need only come near one such surface, and those that bend a little
-/// need only be at its range, where errors are white after a smaller bend, or a smaller turn if the bend is beyond doubt.
+/// tolerance; three quarters of that turn do if the bend is far beyond both, but for smooth noise. The turn tells a cylinder
+/// (a strip as thick as the noise still turns by tenths of a radian) from a real wall, which may bow by a centimetre over
+/// several metres. Touching regions that meet at an angle are strips of one curved surface if one quadratic surface serves
+/// both; at the crease of two planes it does not (of an evenly sampled one, a sixteenth of what one plane leaves remains).
+/// So come the halves of a thin column in much noise, nearly at right angles; strips at its limbs, beside one that is found
+/// curved, need only come near one such surface, and those that bend a little need only be at its range. In white noise,
+/// less of a bend does for that.
 /// @param memory as prepareCurvature() has left it for the labels.
 /// @param names set for every label to itself if it is planar, 0 if it is curved, or the label of the plane whose soft edge
 /// it is.

@@ -10,8 +10,6 @@ namespace ppc {
 /// @brief How many of some things are in the line that has most of them, and in the two that have.
 struct FullestLines {
   int one = 0, two = 0;
-
-  bool operator==(const FullestLines& other) const { return one == other.one && two == other.two; }
 };
 
 /// @param things pixels, say. @param lines count of rows or columns. @param line_of line_of(thing), in [0, lines).

@@ -45,10 +45,11 @@ struct DissolutionMemory {
 /// that is 3 standard deviations off. Of two that explain only each other, neither is dissolved. Thread-safe with memory of
 /// one's own.
 ///
-/// Two parallel lines lie on a plane whatever faces they are of, and one line on many. So a region is dissolved too if seven
-/// eighths of its points are in one row or column of the image; likewise if they are in two, and it has fewer than 100
-/// points or the planes around cost them one variance a point at most. Sweeps that have lost lines, and sensors of few, show
-/// such.
+/// Two parallel lines lie on a plane whatever faces they are of, and one line on many. So regions of less than 16 times the
+/// smallest size, of any shape, are dissolved too if seven eighths of their points are in one row or column of the image;
+/// likewise if they are in two, and the region has less than five thirds of the smallest size and 100 points, or the planes
+/// around cost its points one and a half variances each at most; each of these points goes to the plane nearest to it.
+/// Sweeps that have lost lines, and sensors of few, show such.
 ///
 /// Where noise is smooth (CoplanarityTolerance::inflation_growth), a bump of it passes for a region on the plane about it,
 /// and no number of its points tells more. There, regions of any shape are dissolved too if beside them is one four times as
