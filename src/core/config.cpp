@@ -69,7 +69,8 @@ std::vector<ConfigField> makeFields() {
       PPC_FIELD("fill_holes", Type::kBool, 0, 1, fill_holes,
                 "give bumps of noise inside of a region, too small for one of their own, to it"),
       PPC_FIELD("max_turn", Type::kDouble, 0.01, 10.0, max_turn,
-                "regions whose normal turns by more from end to end, or beyond doubt by three quarters of it, are curved, not planar; 10 = keep all [rad]"),
+                "regions whose normal turns by more from end to end, or beyond doubt by three quarters of it, are curved, "
+                "not planar; 10 = keep all [rad]"),
       PPC_FIELD("noise_scale", Type::kDouble, 0, 100, noise_scale,
                 "factor on the sensor's noise; 0 = estimate the noise from each image [1]"),
       PPC_FIELD("noise_near", Type::kDouble, 0.0001, 1.0, sensor.noise_near,
