@@ -37,11 +37,16 @@ def spherical(rows, cols, width_deg, height_deg):
                         numpy.cos(bearing) * numpy.cos(elevation)], -1)
 
 
-def tilting(cols, width_deg):
-    """Unit beams of a laser whose scan plane tilts by 60 degrees up and down about an axis across, in 300 lines."""
+def tilting(cols, width_deg, lines=300, tilt_deg=60):
+    """Unit beams of a laser whose scan plane tilts up and down about an axis across."""
     bearing, tilt = numpy.meshgrid(numpy.radians(numpy.linspace(-width_deg / 2, width_deg / 2, cols)),
-                                   numpy.radians(numpy.linspace(-60, 60, 300)))
+                                   numpy.radians(numpy.linspace(-tilt_deg, tilt_deg, lines)))
     return numpy.stack([numpy.sin(bearing), numpy.cos(bearing) * numpy.sin(tilt), numpy.cos(bearing) * numpy.cos(tilt)], -1)
+
+
+def lose_lines(share, beams, rng):
+    """The beams of those lines that are left if others get lost, as on a busy bus."""
+    return beams[rng.random(len(beams)) >= share]
 
 
 def turn(axis, angle):
@@ -242,6 +247,10 @@ SENSORS = {
     'furnished room, tilting UTM-30LX, 10 mm, 20 mm a line': (lambda rng: furnished(UTM, rng), lines(0.02, white(0.01, 0.001)), 400,
                                                               'UTM-30LX x1'),
     'furnished room, tilting URG-04LX, 1 %, 20 mm a line': (lambda rng: furnished(URG, rng), lines(0.02, urg), 400, 'URG-04LX'),
+    'furnished room, tilting LMS-200, 10 mm, half of 90 lines lost': (
+        lambda rng: furnished(lose_lines(0.5, tilting(541, 180, 90, 45), rng), rng), white(0.01, 0.001), 120, 'UTM-30LX x1'),
+    'furnished room, time of flight, 60 x 80 pixels, 10 mm': (lambda rng: furnished(pinhole(60, 80, 60), rng), white(0.01, 0.001),
+                                                              60, None),
     'furnished room, time of flight, 144 x 176 pixels, 8 mm': (lambda rng: furnished(pinhole(144, 176, 60), rng), white(0.008, 0.001),
                                                                60, None),
     'structured light at a desk, 1.2 mm': (lambda rng: desk(pinhole(512, 512, 38), rng), white(0.0012, 0.0005), 400, None),
