@@ -63,7 +63,7 @@ class Dissolver {
     for (const Region& region : dissolved) memory_.points[region.label] = 0;
     for (const Region& region : dissolved) {
       lookAt(region);
-      const bool lines = mayBeLines(region.label) && isLines(region.label);
+      const bool lines = isLines(region.label);
       if (!memory_.around.empty()) {
         measure(region.label, memory_.pixels.size());
         giveAway(region.label, lines);
