@@ -36,8 +36,10 @@ constexpr double kOutlier = 5.0;            // lines off by more, in standard de
 constexpr double kLeastDeviation = 0.1;     // of a turn, over those that there are: slopes are known that well
 constexpr int kReaches[] = {1, 4, 16, 40};  // lines to either side that tell of errors of range
 constexpr double kBent = 0.15;              // of single beams' noise: what planes of the scene are bent from line to line
-constexpr double kMostLeft = 0.75;          // of what sloped beams are off, if turned lines are worth it
-constexpr double kMostLeftByTurns = 0.95;   // if they are turned instead of being moved
+constexpr double kLeftOfErrors = 0.1;  // of errors of range when the found ones are taken out, as drift from line to line,
+constexpr double kLeftOfNoise = 0.1;  // and of single beams' noise
+constexpr double kMostLeft = 0.75;     // of what sloped beams are off, if turned lines are worth it
+constexpr double kMostLeftByTurns = 0.95;  // if they are turned instead of being moved
 
 // One of the errors that lines may have.
 using Component = LineFit LineMisfit::*;
@@ -165,6 +167,7 @@ void solveWide(const BeamGrid& grid, const LineNoise& noise, LineErrors& errors,
     if (m.range.samples >= kMinSamples) spreads.push_back(m.spread);
   }
   const double spread = std::max(kLeastError, median(spreads));
+  errors.range_left = std::hypot(kLeftOfErrors * noise.error, kLeftOfNoise * spread);
   const int count = static_cast<int>(errors.range.size());
   std::vector<LineDifference> differences;
   removeLineErrors(errors, grid, memory.corrected);

@@ -85,9 +85,10 @@ void addSmallRegions(const BeamGrid& grid, const NoiseModel& noise, const Coplan
   }
 }
 
-// Everything once the lines are where they were and no two of them are the same.
-void clusterLines(const BeamGrid& grid, const Config& config, StageTimer& timer, ClusteringMemory& memory,
-                  LabelImage& labels) {
+// Everything once the lines are where they were and no two of them are the same. @param line_error_left standard deviation
+// of what they are still off [m].
+void clusterLines(const BeamGrid& grid, double line_error_left, const Config& config, StageTimer& timer,
+                  ClusteringMemory& memory, LabelImage& labels) {
   PatchGrid& patches = memory.patches;
   AngularSteps& steps = memory.steps;
   if (config.equal_angle) {
@@ -101,7 +102,7 @@ void clusterLines(const BeamGrid& grid, const Config& config, StageTimer& timer,
 
   NoiseModel noise = config.noise_scale > 0.0 ? NoiseModel(config.sensor, config.noise_scale)
                                               : NoiseModel::estimate(patches, config.sensor, memory.noise, config.threads);
-  CoplanarityTolerance tolerance{config.sigma_distance, config.sigma_angle, 1.0};
+  CoplanarityTolerance tolerance{std::hypot(config.sigma_distance, line_error_left), config.sigma_angle, 1.0};
   weighAndGatePatches(noise, tolerance, patches, config.threads);
   if (config.noise_by_surface && config.noise_aware && config.noise_scale == 0.0 &&
       adaptToSurfaces(grid, patches, noise, memory.surface_noise, config.threads)) {
@@ -268,10 +269,10 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
   const BeamGrid& lines = line_errors.empty() ? points : memory.corrected;
   if (!config.thin_standing_lines || !config.noise_aware || lines.beams_exact ||
       !thinStandingLines(lines, memory.standing)) {
-    clusterLines(lines, config, timer, memory, labels);
+    clusterLines(lines, line_errors.range_left, config, timer, memory, labels);
     return;
   }
-  clusterLines(memory.standing.grid, config, timer, memory, memory.standing.labels);
+  clusterLines(memory.standing.grid, line_errors.range_left, config, timer, memory, memory.standing.labels);
   labelStandingLines(lines, memory.standing, labels);
 }
 

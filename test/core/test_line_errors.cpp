@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 namespace ppc {
@@ -69,6 +70,28 @@ std::vector<double> leftOf(const std::vector<double>& truth, const std::vector<d
   const double mean = std::accumulate(left.begin(), left.end(), 0.0) / static_cast<double>(left.size());
   for (double& v : left) v -= mean;
   return left;
+}
+
+TEST(EstimateLineErrors, TellsWhatIsLeftOfThem) {
+  EXPECT_EQ(estimateLineErrors(room()).range_left, 0.0);
+  double before = 0.0;
+  for (const auto& [sigma, error] : {std::pair(0.008, 0.02), std::pair(0.008, 0.04), std::pair(0.03, 0.04)}) {
+    double left = 0.0, told = 0.0;
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      BeamGrid grid = forwardBeams(kRows, kCols, kStep);
+      scan({wall({-1.0, 0.2, 0.0}, -3.0), wall({0.0, 0.0, 1.0}, -0.7)}, grid);
+      addNoise(grid, sigma, 0.0, 0.0, seed);
+      const std::vector<double> truth = addLineErrors(error, grid);
+      const LineErrors found = estimateLineErrors(grid);
+      ASSERT_EQ(found.range.size(), truth.size());
+      left += rms(leftOf(truth, found.range));
+      told += found.range_left;
+    }
+    EXPECT_GT(told, 0.5 * left) << sigma << ' ' << error;
+    EXPECT_LT(told, 2.0 * left) << sigma << ' ' << error;
+    EXPECT_GT(told, before);  // more of either leaves more
+    before = told;
+  }
 }
 
 TEST(EstimateLineErrors, FindsSlowChangesFromLinesFartherOff) {

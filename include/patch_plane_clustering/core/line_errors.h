@@ -13,6 +13,7 @@ namespace ppc {
 struct LineErrors {
   bool in_columns = false;    ///< lines are the columns of the grid, not its rows
   std::vector<double> range;  ///< one for each line: ranges are too long by this [m]; empty: none to speak of
+  double range_left = 0.0;    ///< standard deviation of what is left of those errors without these, about [m]
   std::vector<double> turn;   ///< one for each line: the beams truly point this much further on towards the next lines than
                               ///< their directions say [rad]; empty: none to speak of
 
