@@ -37,7 +37,7 @@ constexpr double kLeastDeviation = 0.1;     // of a turn, over those that there 
 constexpr int kReaches[] = {1, 4, 16, 40};  // lines to either side that tell of errors of range
 constexpr double kBent = 0.15;              // of single beams' noise: what planes of the scene are bent from line to line
 constexpr double kLeftOfErrors = 0.1;  // of errors of range when the found ones are taken out, as drift from line to line,
-constexpr double kLeftOfNoise = 0.1;  // and of single beams' noise
+constexpr double kLeftOfNoise = 0.1;   // and of single beams' noise
 constexpr double kMostLeft = 0.75;     // of what sloped beams are off, if turned lines are worth it
 constexpr double kMostLeftByTurns = 0.95;  // if they are turned instead of being moved
 
