@@ -210,13 +210,15 @@ LineErrors errorsOf(const BeamGrid& grid, bool in_columns, LineErrorKind kind, L
     if (round > 0) addBack(errors, memory.misfits);
     if (kind != LineErrorKind::kTurn) {
       const LineNoise noise = measureNoise(kRange, memory);
-      if (!noise.significant) return errors;
+      if (!noise.significant && round == 0) return errors;
+      if (!noise.significant) break;
       errors.range = solveErrors(memory.misfits, kRange, noise);
       range_noise = noise;
     }
     if (kind != LineErrorKind::kRange) {
       const LineNoise noise = measureNoise(kTurn, memory);
-      if (!noise.significant) return errors;
+      if (!noise.significant && round == 0) return errors;
+      if (!noise.significant) break;
       errors.turn = withoutDrift(solveErrors(memory.misfits, kTurn, noise));
     }
   }

@@ -50,25 +50,31 @@ class Dissolver {
     memory_.touches.assign(planes_.size(), 0);
     memory_.mean_costs.assign(planes_.size(), -1.0F);
     // Explained by all that is around; but what is none itself is given nothing.
-    std::vector<Region>& dissolved = memory_.dissolved;
+    std::vector<DissolvedRegion>& dissolved = memory_.dissolved;
     dissolved.clear();
     for (const Region& region : memory_.judged.regions) {
       const bool thin = isThin(region.label), few = mayBeLines(region.label);
       if (!thin && !few && !correlated) continue;
       lookAt(region);
-      if ((few && isLines(region.label)) || (thin && isExplained(region.label)) || (correlated && isBump(region.label))) {
-        dissolved.push_back(region);
+      const bool lines = few && isLines(region.label);
+      if (lines || (thin && isExplained(region.label)) || (correlated && isBump(region.label))) {
+        dissolved.push_back({region, lines});
       }
     }
-    for (const Region& region : dissolved) memory_.points[region.label] = 0;
-    for (const Region& region : dissolved) {
+    for (const DissolvedRegion& region : dissolved) memory_.points[region.region.label] = 0;
+    // Those that explain each other stay; found before labels change, so that no order of them decides.
+    const auto unexplained = [&](const DissolvedRegion& region) {
+      lookAt(region.region);
+      return memory_.around.empty() && !region.lines;
+    };
+    dissolved.erase(std::remove_if(dissolved.begin(), dissolved.end(), unexplained), dissolved.end());
+    for (const auto& [region, lines] : dissolved) {
       lookAt(region);
-      const bool lines = isLines(region.label);
-      if (!memory_.around.empty()) {
+      if (memory_.around.empty()) {
+        for (const int i : memory_.pixels) labels_.labels[i] = 0;
+      } else {
         measure(region.label, memory_.pixels.size());
         giveAway(region.label, lines);
-      } else if (lines) {  // else regions that explain each other, which stay
-        for (const int i : memory_.pixels) labels_.labels[i] = 0;
       }
     }
     if (!dissolved.empty()) listRuns(labels_, memory_.listing, runs_, threads_);

@@ -103,6 +103,7 @@ void clusterLines(const BeamGrid& grid, double line_error_left, const Config& co
   NoiseModel noise = config.noise_scale > 0.0 ? NoiseModel(config.sensor, config.noise_scale)
                                               : NoiseModel::estimate(patches, config.sensor, memory.noise, config.threads);
   CoplanarityTolerance tolerance{std::hypot(config.sigma_distance, line_error_left), config.sigma_angle, 1.0};
+  tolerance.least_distance = line_error_left;
   weighAndGatePatches(noise, tolerance, patches, config.threads);
   if (config.noise_by_surface && config.noise_aware && config.noise_scale == 0.0 &&
       adaptToSurfaces(grid, patches, noise, memory.surface_noise, config.threads)) {

@@ -128,14 +128,20 @@ TEST(DropCurvedRegions, ClearsAStripThatBendsBeyondDoubt) {
   EXPECT_GT(pointsLeft(0.3, 0.01, kNoise), 1000);
   // Of a thin column, it is hardly as high as the tolerance.
   const NoiseModel fine(SensorModel{0.003, 0.003, 10.0, 0.0}, 1.0);
-  Scene thin({column(3.4, 0.0, 0.4)}, 0.003);
+  Scene thin({column(3.5, 0.0, 0.5)}, 0.003);
   for (int i = 0; i < thin.grid.size(); ++i) {
-    if (!(std::abs(thin.grid.point(i).y()) < 0.4F * std::sin(0.2F))) thin.labels.labels[i] = 0;
+    if (!(std::abs(thin.grid.point(i).y()) < 0.5F * std::sin(0.2F))) thin.labels.labels[i] = 0;
   }
   const int before = countOf(thin.labels, 1);
   ASSERT_GT(before, 500);
   thin.drop(0.45, fine);
   EXPECT_EQ(countOf(thin.labels, 1), before);
+  // Smooth noise makes such bends.
+  Scene scene({column(4.0, 0.0, 1.0)}, 0.01);
+  scene.stripsOfColumn(0.4, 0.2);
+  CoplanarityTolerance bumpy = kTolerance;
+  bumpy.inflation_growth = 0.01;
+  EXPECT_EQ(planarNames(scene.grid, kNoise, bumpy, 0.45, labelRuns(scene.labels)), (std::vector<std::int32_t>{0, 1}));
 }
 
 // Half a column, and a strip beside it that turns by a tenth of a radian, no part of one surface with it. In correlated

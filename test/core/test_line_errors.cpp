@@ -203,6 +203,7 @@ TEST(EstimateLineErrors, FindsStepsOfTheTilt) {
     const LineErrors found = estimateLineErrors(grid);
     ASSERT_EQ(found.turn.size(), truth.size()) << lines_a_step;
     EXPECT_TRUE(found.range.empty());
+    EXPECT_EQ(found.range_left, 0.0);
     EXPECT_FALSE(found.in_columns);
     EXPECT_GT(rms(truth), 0.003);
     EXPECT_LT(jumpsLeft(truth, found.turn), 0.15 * jumpsLeft(truth, std::vector<double>(truth.size(), 0.0))) << lines_a_step;

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdlib>
 #include <vector>
 
 namespace ppc {
@@ -170,6 +171,27 @@ TEST(DissolveRegions, ALineBetweenLostLinesIsNoFace) {
     if (row != 40 && std::abs(row - 40) < 3) step.grid.range[i] = kNoRange;
   }
   EXPECT_EQ(step.left(), 0);
+}
+
+// A strip that only another one explains, which itself goes to a wall: it stays, whichever has the lower label.
+TEST(DissolveRegions, KeepsWhatOnlyADissolvedRegionExplains) {
+  for (const bool first : {true, false}) {
+    Step step(0, 0, kNear);
+    const int strip = first ? 3 : 4, beside = first ? 4 : 3;
+    step.planes.push_back(Step::at(kNear));
+    step.planes[strip] = Step::at(kNear - 0.1);
+    step.planes[beside] = Step::at(kNear + 0.02);  // nearer than that to the strip's points, as the wall is to its own
+    for (int i = 0; i < step.grid.size(); ++i) {
+      const int row = i / kCols, col = i % kCols;
+      std::int32_t& label = step.labels.labels[i];
+      if (col < kEdge) label = row >= 5 && col >= kEdge - 3 ? strip : 0;
+      if (row >= 5 && col >= kEdge && col < kEdge + 3) label = beside;
+    }
+    const int points = countOf(step.labels, strip);
+    step.left();
+    EXPECT_EQ(countOf(step.labels, beside), 0) << first;
+    EXPECT_EQ(countOf(step.labels, strip), points) << first;
+  }
 }
 
 // Of either wall a line, and the plane through both. @param farther of the wall behind. @param sigmas what the lines stand

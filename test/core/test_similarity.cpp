@@ -64,6 +64,15 @@ TEST(CoplanarityTolerance, OfTheDistanceShrinksForFineSensors) {
   EXPECT_DOUBLE_EQ(tolerance.forNoise(0.0).inflation, 2.0);
 }
 
+TEST(CoplanarityTolerance, OfLinesThatAreOffDoesNotShrink) {
+  CoplanarityTolerance tolerance{0.0055, 0.02, 1.0};
+  tolerance.least_distance = 0.002;
+  EXPECT_DOUBLE_EQ(tolerance.forNoise(0.01).sigma_distance, 0.0055);
+  EXPECT_DOUBLE_EQ(tolerance.forNoise(0.00125).sigma_distance, 0.00275);
+  EXPECT_DOUBLE_EQ(tolerance.forNoise(0.0005).sigma_distance, 0.002);
+  EXPECT_DOUBLE_EQ(tolerance.forNoise(0.0005).forNoise(0.0005).sigma_distance, 0.002);
+}
+
 // A wall 2 m ahead against one 2.02 m ahead, and against one turned by 0.1 rad about the point where they meet.
 TEST(FixedSimilarity, IsTheGaussianOfAngleAndDistance) {
   const CoplanarityTolerance tolerance{0.02, 0.1, 1.0};

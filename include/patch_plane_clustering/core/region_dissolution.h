@@ -15,22 +15,28 @@
 
 namespace ppc {
 
+/// @brief A region that is dissolved, and whether for being lines of pixels.
+struct DissolvedRegion {
+  RegionStretches::Region region;
+  bool lines;
+};
+
 /// @brief Working memory of dissolveRegions(), which one image after the other may use.
 struct DissolutionMemory {
   std::vector<int> points;  ///< of each label
   std::vector<int> inside;  ///< of each label that is small enough: points that touch no other one
   RunListMemory listing;
-  std::vector<int> run_inside;                     ///< of each run, points that touch nothing else for sure
-  RegionStretches judged;                          ///< regions that may be thin, or bumps of noise
-  std::vector<RegionStretches::Region> dissolved;  ///< those of them that are dissolved
-  std::vector<int> pixels;                         ///< with a measurement, of the region that is looked at
-  std::vector<int> touches;                        ///< of each label: how often that region touches it
-  std::vector<int> in_line;                        ///< points of that region in each row, or column
-  std::vector<std::int32_t> around;                ///< labels that it touches
-  std::vector<float> mean_costs;                   ///< of each label's plane for its own points, -1 until it is asked for
-  std::vector<float> costs;                        ///< of each pixel for its own plane and for each of those around
-  std::vector<int> place;                          ///< of a pixel of the image in `pixels`
-  std::vector<std::int32_t> given;                 ///< of each pixel: its new label
+  std::vector<int> run_inside;             ///< of each run, points that touch nothing else for sure
+  RegionStretches judged;                  ///< regions that may be thin, lines, or bumps of noise
+  std::vector<DissolvedRegion> dissolved;  ///< those of them that are dissolved
+  std::vector<int> pixels;                 ///< with a measurement, of the region that is looked at
+  std::vector<int> touches;                ///< of each label: how often that region touches it
+  std::vector<int> in_line;                ///< points of that region in each row, or column
+  std::vector<std::int32_t> around;        ///< labels that it touches
+  std::vector<float> mean_costs;           ///< of each label's plane for its own points, -1 until it is asked for
+  std::vector<float> costs;                ///< of each pixel for its own plane and for each of those around
+  std::vector<int> place;                  ///< of a pixel of the image in `pixels`
+  std::vector<std::int32_t> given;         ///< of each pixel: its new label
 };
 
 /// @brief Dissolves regions that the planes around them explain better than their own plane does.

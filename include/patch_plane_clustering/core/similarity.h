@@ -16,6 +16,7 @@ struct CoplanarityTolerance {
   double inflation = 1.0;         ///< variance of a patch's plane over that of white noise (correlated errors) [1]
   double inflation_growth = 0.0;  ///< exponent of its growth beyond patch_points: 0 white noise, 1 never averages out
   double patch_points = 20.0;     ///< of such a patch
+  double least_distance = 0.0;    ///< of sigma_distance, what stays however fine the sensor: errors of whole lines [m]
 
   /// Inflation of the plane of n points: errors correlated farther than over a patch average out still more slowly.
   double inflationOf(double n) const {
@@ -37,7 +38,7 @@ struct CoplanarityTolerance {
     constexpr double kCoarse = 0.0025;  // noise from which on the whole distance applies [m]
     constexpr double kLeast = 0.3;      // share of the distance that remains for the finest sensor
     CoplanarityTolerance scaled = *this;
-    scaled.sigma_distance *= std::clamp(sigma / kCoarse, kLeast, 1.0);
+    scaled.sigma_distance = std::max(least_distance, sigma_distance * std::clamp(sigma / kCoarse, kLeast, 1.0));
     return scaled;
   }
 };
