@@ -210,41 +210,40 @@ LineErrors errorsOf(const BeamGrid& grid, bool in_columns, LineErrorKind kind, L
     if (round > 0) addBack(errors, memory.misfits);
     if (kind != LineErrorKind::kTurn) {
       const LineNoise noise = measureNoise(kRange, memory);
-      if (!noise.significant && round == 0) return errors;
       if (!noise.significant) break;
       errors.range = solveErrors(memory.misfits, kRange, noise);
       range_noise = noise;
     }
     if (kind != LineErrorKind::kRange) {
       const LineNoise noise = measureNoise(kTurn, memory);
-      if (!noise.significant && round == 0) return errors;
       if (!noise.significant) break;
       errors.turn = withoutDrift(solveErrors(memory.misfits, kTurn, noise));
     }
   }
-  if (!errors.range.empty()) solveWide(grid, range_noise, errors, memory, threads);
+  const bool wanted = kind != LineErrorKind::kBoth || !errors.turn.empty();  // both, or nothing of use
+  if (wanted && !errors.range.empty()) solveWide(grid, range_noise, errors, memory, threads);
   return errors;
 }
 
 // What sloped beams are off without these errors, in those lines where they are off most.
-LeftOfLine leftOf(const LineErrors& errors, const BeamGrid& grid, int stride, LineErrorMemory& memory, int threads) {
+LineOff leftOf(const LineErrors& errors, const BeamGrid& grid, int stride, LineErrorMemory& memory, int threads) {
   if (!errors.empty()) removeLineErrors(errors, grid, memory.corrected);
   const GridLines lines(errors.empty() ? grid : memory.corrected, errors.in_columns);
-  std::vector<LeftOfLine>& of_lines = memory.left;
-  of_lines.assign(static_cast<std::size_t>(lines.count()), LeftOfLine());
+  std::vector<LineOff>& of_lines = memory.off;
+  of_lines.assign(static_cast<std::size_t>(lines.count()), LineOff());
   forEachSampled(lines, stride, memory, threads, [&](int k, LineMisfitMemory& scratch) {
     const LineMisfit misfit = measureLineMisfit(lines, k, LineErrorKind::kBoth, kBeams, scratch);
-    if (misfit.turn.samples >= kMinSamples) of_lines[k] = {misfit.off, offAsStated(lines, k, scratch)};
+    if (misfit.turn.samples >= kMinSamples) of_lines[k] = offOf(lines, k, scratch);
   });
-  const auto most = [&](double LeftOfLine::*off) {
+  const auto most = [&](double LineOff::*off) {
     std::vector<double>& left = memory.sizes;
     left.clear();
-    for (const LeftOfLine& of_line : of_lines) {
+    for (const LineOff& of_line : of_lines) {
       if (of_line.*off >= 0.0) left.push_back(of_line.*off);
     }
     return left.empty() ? -1.0 : quantile(left, kStepShare);
   };
-  return {most(&LeftOfLine::by_slopes), most(&LeftOfLine::as_stated)};
+  return {most(&LineOff::by_slopes), most(&LineOff::as_stated)};
 }
 
 // Whether lines may have errors, at a first look. @param stride of the lines that are looked at otherwise.
@@ -272,7 +271,7 @@ LineErrors estimateAlong(const BeamGrid& grid, bool in_columns, LineErrorMemory&
   const LineErrorKind kind = measureNoise(kRange, memory).significant ? LineErrorKind::kBoth : LineErrorKind::kTurn;
   const LineErrors turns = errorsOf(grid, in_columns, kind, memory, threads);
   if (turns.turn.empty()) return ranges;
-  const LeftOfLine left = leftOf(turns, grid, stride, memory, threads), was = leftOf(ranges, grid, stride, memory, threads);
+  const LineOff left = leftOf(turns, grid, stride, memory, threads), was = leftOf(ranges, grid, stride, memory, threads);
   const double most = kind == LineErrorKind::kTurn && !ranges.empty() ? kMostLeftByTurns : kMostLeft;
   const bool known = left.by_slopes >= 0.0, better = left.by_slopes < most * was.by_slopes;
   // Beside gaps between lines slopes are wrong: there it shows by the directions alone that nothing gets better.

@@ -149,16 +149,14 @@ LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kin
 
   // Sums of the normal equations of range and turn.
   double ones = 0.0, sums = 0.0, squares = 0.0;
-  std::vector<float>&slopes = memory.slopes, &off = memory.off;
+  std::vector<float>& slopes = memory.slopes;
   slopes.clear();
-  off.clear();
   for (const LineSample& s : samples) {
     ones += 1.0;
     if (s.slope == 0.0F) continue;
     sums += s.slope;
     squares += static_cast<double>(s.slope) * s.slope;
     slopes.push_back(std::abs(s.slope));
-    off.push_back(std::abs(s.error - s.slope * s.between));
   }
   const double shared = turns && ranges ? sums * sums : 0.0;
   const double deviation = deviationOf(misfit.spread);
@@ -169,21 +167,23 @@ LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kin
   misfit.range.deviation = of(ones, squares);
   misfit.turn.deviation = of(squares, ones);
   misfit.turn.samples = static_cast<int>(slopes.size());
-  if (slopes.empty()) return misfit;
-  misfit.slope = median(slopes);
-  misfit.off = median(off);
+  if (!slopes.empty()) misfit.slope = median(slopes);
   return misfit;
 }
 
-double offAsStated(const GridLines& lines, int line, LineMisfitMemory& memory) {
+LineOff offOf(const GridLines& lines, int line, LineMisfitMemory& memory) {
   LineMisfit stated;
   weighNeighbours(lines, line, 1, stated);
-  std::vector<float>& off = memory.numbers;
-  off.clear();
-  for (const LineSample& s : memory.samples) {
-    if (s.slope != 0.0F) off.push_back(std::abs(errorAt(lines, line, s.beam, stated)));
-  }
-  return off.empty() ? 0.0 : median(off);
+  const auto middle = [&](auto&& off_of) {
+    std::vector<float>& off = memory.numbers;
+    off.clear();
+    for (const LineSample& s : memory.samples) {
+      if (s.slope != 0.0F) off.push_back(std::abs(off_of(s)));
+    }
+    return off.empty() ? -1.0 : median(off);
+  };
+  return {middle([](const LineSample& s) { return s.error - s.slope * s.between; }),
+          middle([&](const LineSample& s) { return errorAt(lines, line, s.beam, stated); })};
 }
 
 }  // namespace ppc

@@ -20,12 +20,6 @@ struct LineErrors {
   bool empty() const { return range.empty() && turn.empty(); }
 };
 
-/// @brief What the sloped beams of a line, or of those that are off most, are off [m]; -1 where it is not known.
-struct LeftOfLine {
-  double by_slopes = -1.0;  ///< as LineMisfit::off
-  double as_stated = -1.0;  ///< as offAsStated()
-};
-
 /// @brief Working memory of estimateLineErrors(), which one image after the other may use.
 struct LineErrorMemory {
   std::vector<LineMisfit> misfits;          ///< of each line
@@ -33,7 +27,7 @@ struct LineErrorMemory {
   std::vector<LineMisfit> wide;             ///< of each line, against lines farther off
   std::vector<WideMisfitMemory> wide_of_thread;
   std::vector<double> sizes, spreads, deviations, slopes, uneven;
-  std::vector<LeftOfLine> left;
+  std::vector<LineOff> off;  ///< of each line
   BeamGrid corrected;
 };
 

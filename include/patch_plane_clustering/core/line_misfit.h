@@ -28,7 +28,6 @@ struct LineMisfit {
   double between = 0.0;              ///< what it is said to be off the middle between the two, towards the next [rad]
   double spread = 0.0;               ///< standard deviation of single beams about the fit [m]
   double slope = 0.0;                ///< change of range with tilt, the middle one of the beams that tell of it [m/rad]
-  double off = 0.0;                  ///< what these are off as their directions stand, the middle one [m]
 };
 
 /// @brief A beam against the two beside it in the lines before and after.
@@ -46,7 +45,7 @@ void weighNeighbours(const GridLines& lines, int line, int reach, LineMisfit& mi
 /// @brief Working memory of measureLineMisfit(), which one line after the other may use.
 struct LineMisfitMemory {
   std::vector<LineSample> samples;
-  std::vector<float> numbers, slopes, off;
+  std::vector<float> numbers, slopes;
   std::vector<std::pair<float, float>> turns;
 };
 
@@ -56,10 +55,15 @@ struct LineMisfitMemory {
 /// @param memory overwritten.
 LineMisfit measureLineMisfit(const GridLines& lines, int line, LineErrorKind kind, int beams, LineMisfitMemory& memory);
 
-/// @brief What the sloped beams of a line are off as their directions stand, the middle one [m]: against planes through the
-/// two beams beside each, where the beam that moves most is said to lie between its two. Slopes do not count in it, which
-/// are means over some lines, and wrong where a line is far off the middle.
+/// @brief What the sloped beams of a line are off as their directions stand, the middle one [m]; -1 where it is not known.
+struct LineOff {
+  double by_slopes = -1.0;  ///< against the two beside, half-way between them, and on from there along the slope
+  double as_stated = -1.0;  ///< against the two beside, where the beam that moves most is said to lie between its two
+};
+
+/// @brief Slopes are means over some lines, and wrong where a line is far off the middle; they do not count in
+/// LineOff::as_stated.
 /// @param memory as measureLineMisfit() has left it, which has looked for turns of this line.
-double offAsStated(const GridLines& lines, int line, LineMisfitMemory& memory);
+LineOff offOf(const GridLines& lines, int line, LineMisfitMemory& memory);
 
 }  // namespace ppc
