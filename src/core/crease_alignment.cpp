@@ -24,9 +24,14 @@ constexpr double kLeastAgreement = 0.8;  // of the witnesses
 
 class CreaseAligner {
  public:
-  CreaseAligner(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
-                const DistanceVariance& variance, const CreaseMeetings& meetings, const LabelImage& labels)
-      : grid_(grid), planes_(planes), center_(center), variance_(variance), meetings_(meetings), labels_(labels) {}
+  CreaseAligner(const JudgedImage& image, const std::vector<Eigen::Vector3d>& planes, const DistanceVariance& variance,
+                const CreaseMeetings& meetings, const LabelImage& labels)
+      : grid_(image.grid),
+        planes_(planes),
+        center_(image.center),
+        variance_(variance),
+        meetings_(meetings),
+        labels_(labels) {}
 
   // Lists what is to change between two labels.
   void align(const LabelPair& pair, Worker& worker, std::vector<Change>& changes) const {
@@ -94,15 +99,14 @@ class CreaseAligner {
 
 }  // namespace
 
-void alignCreases(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
-                  const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, CreaseMemory& memory,
+void alignCreases(const JudgedImage& image, const std::vector<Eigen::Vector3d>& planes, CreaseMemory& memory,
                   const std::vector<LabelRun>& runs, LabelImage& labels, int threads) {
-  findCreaseMeetings(runs, labels.rows, labels.cols, planes.size(), smallest, memory.meetings);
+  findCreaseMeetings(runs, labels.rows, labels.cols, planes.size(), image.smallest, memory.meetings);
   const std::vector<LabelPair>& pairs = memory.meetings.pairs;
   if (pairs.empty()) return;
   if (memory.changes.size() < pairs.size()) memory.changes.resize(pairs.size());
-  memory.variance.set(noise, tolerance);
-  const CreaseAligner aligner(grid, planes, center, memory.variance, memory.meetings, labels);
+  memory.variance.set(image.noise, image.tolerance);
+  const CreaseAligner aligner(image, planes, memory.variance, memory.meetings, labels);
   forEachPart(threads, static_cast<int>(pairs.size()), memory.workers, [&](int k, Worker& kept) {
     Worker worker;  // on the thread's own stack: counts of two threads in one line of the cache would slow both
     std::swap(worker, kept);

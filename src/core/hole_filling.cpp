@@ -19,20 +19,20 @@ constexpr double kMaxScatter = 6.0, kSingleScatter = 10.0;
 
 class HoleFiller {
  public:
-  HoleFiller(const BeamGrid& grid, const BeamPlanes& planes, const CoplanarityTolerance& tolerance, int smallest,
-             HoleMemory& memory, LabelImage& labels, const std::vector<LabelRun>& runs)
-      : grid_(grid),
+  HoleFiller(const JudgedImage& image, const BeamPlanes& planes, HoleMemory& memory, LabelImage& labels,
+             const std::vector<LabelRun>& runs)
+      : grid_(image.grid),
         planes_(planes),
-        tolerance_(tolerance),
-        smallest_(smallest),
+        tolerance_(image.tolerance),
+        smallest_(image.smallest),
         labels_(labels.labels),
         runs_(runs),
         loose_(memory.loose),
         seen_(memory.seen),
         specks_(memory.specks) {
-    seen_.resize(static_cast<std::size_t>(grid.size()), 0);
+    seen_.resize(static_cast<std::size_t>(grid_.size()), 0);
     specks_.clear();
-    findLoose(runs, planes.size(), smallest, memory.points, loose_);
+    findLoose(runs, planes.size(), smallest_, memory.points, loose_);
   }
 
   // Runs are those before anything was extended or filled: what was filled since was seen. @return whether anything was.
@@ -115,11 +115,9 @@ class HoleFiller {
 
 }  // namespace
 
-bool fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
-               const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, HoleMemory& memory,
-               LabelImage& labels, const std::vector<LabelRun>& runs) {
-  const BeamPlanes of_labels(grid, planes, center, noise, tolerance);
-  return HoleFiller(grid, of_labels, tolerance, smallest, memory, labels, runs).fillAll();
+bool fillHoles(const JudgedImage& image, const std::vector<Eigen::Vector3d>& planes, HoleMemory& memory, LabelImage& labels,
+               const std::vector<LabelRun>& runs) {
+  return HoleFiller(image, BeamPlanes(image, planes), memory, labels, runs).fillAll();
 }
 
 }  // namespace ppc

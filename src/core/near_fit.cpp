@@ -11,16 +11,16 @@ constexpr int kFewestPoints = 4;
 
 }  // namespace
 
-NearFit fitNear(const BeamGrid& grid, const Eigen::Vector3d& center, const NoiseModel& noise,
-                const CoplanarityTolerance& tolerance, const PixelStretch* begin, const PixelStretch* end,
+NearFit fitNear(const JudgedImage& image, const PixelStretch* begin, const PixelStretch* end,
                 std::vector<RegionPoint>& points) {
+  const BeamGrid& grid = image.grid;
   points.clear();
   double variances = 0.0, noises = 0.0;
   for (const PixelStretch* stretch = begin; stretch != end; ++stretch) {
     for (int i = stretch->begin; i < stretch->end; ++i) {
       if (!grid.valid(i)) continue;
-      const Eigen::Vector3d at = grid.point(i).cast<double>() - center;
-      const double sigma = noise.sigmaAt(i, grid.range[i]), floor = tolerance.forNoise(sigma).sigma_distance;
+      const Eigen::Vector3d at = grid.point(i).cast<double>() - image.center;
+      const double sigma = image.noise.sigmaAt(i, grid.range[i]), floor = image.tolerance.forNoise(sigma).sigma_distance;
       const double variance = sigma * sigma + floor * floor;
       points.push_back({at, at.squaredNorm() / variance, i});
       variances += variance;

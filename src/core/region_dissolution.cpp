@@ -33,11 +33,11 @@ using Region = RegionStretches::Region;
 
 class Dissolver {
  public:
-  Dissolver(const BeamGrid& grid, const BeamPlanes& planes, int smallest, DissolutionMemory& memory, LabelImage& labels,
+  Dissolver(const JudgedImage& image, const BeamPlanes& planes, DissolutionMemory& memory, LabelImage& labels,
             std::vector<LabelRun>& runs, int threads)
-      : grid_(grid),
+      : grid_(image.grid),
         planes_(planes),
-        smallest_(smallest),
+        smallest_(image.smallest),
         memory_(memory),
         labels_(labels),
         runs_(runs),
@@ -338,11 +338,10 @@ class Dissolver {
 
 }  // namespace
 
-void dissolveRegions(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
-                     const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, DissolutionMemory& memory,
+void dissolveRegions(const JudgedImage& image, const std::vector<Eigen::Vector3d>& planes, DissolutionMemory& memory,
                      LabelImage& labels, std::vector<LabelRun>& runs, int threads) {
-  const BeamPlanes of_labels(grid, planes, center, noise, tolerance);
-  Dissolver(grid, of_labels, smallest, memory, labels, runs, threads).dissolveAll(tolerance.inflation_growth > 0.0);
+  Dissolver(image, BeamPlanes(image, planes), memory, labels, runs, threads)
+      .dissolveAll(image.tolerance.inflation_growth > 0.0);
 }
 
 }  // namespace ppc

@@ -23,11 +23,16 @@ constexpr std::size_t kFewest = 16;   // points that tell this
 
 class RegionExtender {
  public:
-  RegionExtender(const BeamGrid& grid, const BeamPlanes& planes, const CoplanarityTolerance& tolerance, int smallest,
-                 ExtensionMemory& memory, LabelImage& labels, const std::vector<LabelRun>& runs)
-      : grid_(grid), planes_(planes), tolerance_(tolerance), labels_(labels.labels), runs_(runs), memory_(memory) {
-    findLoose(runs, planes.size(), smallest, memory.points, memory.loose);
-    memory.tried.resize(static_cast<std::size_t>(grid.size()), 0);
+  RegionExtender(const JudgedImage& image, const BeamPlanes& planes, ExtensionMemory& memory, LabelImage& labels,
+                 const std::vector<LabelRun>& runs)
+      : grid_(image.grid),
+        planes_(planes),
+        tolerance_(image.tolerance),
+        labels_(labels.labels),
+        runs_(runs),
+        memory_(memory) {
+    findLoose(runs, planes.size(), image.smallest, memory.points, memory.loose);
+    memory.tried.resize(static_cast<std::size_t>(grid_.size()), 0);
   }
 
   // @return whether any region has been extended.
@@ -138,11 +143,9 @@ class RegionExtender {
 
 }  // namespace
 
-bool extendRegions(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
-                   const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, ExtensionMemory& memory,
+bool extendRegions(const JudgedImage& image, const std::vector<Eigen::Vector3d>& planes, ExtensionMemory& memory,
                    LabelImage& labels, const std::vector<LabelRun>& runs, int threads) {
-  const BeamPlanes of_labels(grid, planes, center, noise, tolerance);
-  return RegionExtender(grid, of_labels, tolerance, smallest, memory, labels, runs).extendAll(threads);
+  return RegionExtender(image, BeamPlanes(image, planes), memory, labels, runs).extendAll(threads);
 }
 
 }  // namespace ppc

@@ -22,20 +22,13 @@ using Stretches = std::vector<PixelStretch>;
 
 class Trimmer {
  public:
-  Trimmer(const BeamGrid& grid, const Eigen::Vector3d& center, const NoiseModel& noise,
-          const CoplanarityTolerance& tolerance, int smallest, TrimmingMemory& memory, LabelImage& labels)
-      : grid_(grid),
-        center_(center),
-        noise_(noise),
-        tolerance_(tolerance),
-        smallest_(smallest),
-        memory_(memory),
-        labels_(labels) {}
+  Trimmer(const JudgedImage& image, TrimmingMemory& memory, LabelImage& labels)
+      : image_(image), grid_(image.grid), memory_(memory), labels_(labels) {}
 
   void trimAll(int threads) {
     listRuns(labels_, memory_.listing, memory_.runs, threads);
     SmallRegions& small = memory_.small;
-    small.list(memory_.runs, smallest_);
+    small.list(memory_.runs, image_.smallest);
     const std::size_t count = small.regions.size();
     memory_.left.resize(std::max(memory_.left.size(), count));  // what each has is kept
     memory_.trimmed.assign(count, 0);
@@ -63,7 +56,7 @@ class Trimmer {
     kept.assign(stretches + static_cast<std::ptrdiff_t>(region.begin), stretches + static_cast<std::ptrdiff_t>(region.end));
     NearFit fit = fitTo(work);
     const auto all = static_cast<double>(work.points.size());
-    if (isPlane(work.points, fit) || all < smallest_) return false;
+    if (isPlane(work.points, fit) || all < image_.smallest) return false;
     const bool tolerated = isTolerated(work.points, fit);
     for (int round = tolerated ? kToleratedRounds : kRounds; round > 0; --round) {
       Fringe fringe(grid_, kept.data(), kept.data() + kept.size(), work.fringe);
@@ -95,7 +88,7 @@ class Trimmer {
 
   NearFit fitTo(Work& work) const {
     const Stretches& kept = work.kept;
-    return fitNear(grid_, center_, noise_, tolerance_, kept.data(), kept.data() + kept.size(), work.points);
+    return fitNear(image_, kept.data(), kept.data() + kept.size(), work.points);
   }
 
   // Of few points nothing tells.
@@ -133,29 +126,24 @@ class Trimmer {
 
   // Whether chi-square is what noise makes it with all that planes are allowed, turned by the angle and seen at a slant.
   bool isTolerated(const std::vector<RegionPoint>& points, const NearFit& fit) const {
-    return isExplained(points, fit.a, ToleratedScale(fit, tolerance_));
+    return isExplained(points, fit.a, ToleratedScale(fit, image_.tolerance));
   }
 
   Plane planeOf(const Eigen::Vector3d& a) const {
     const Eigen::Vector3d normal = -a.normalized();
-    return {normal, normal.dot(center_) - 1.0 / a.norm()};
+    return {normal, normal.dot(image_.center) - 1.0 / a.norm()};
   }
 
+  const JudgedImage& image_;
   const BeamGrid& grid_;
-  const Eigen::Vector3d& center_;
-  const NoiseModel& noise_;
-  const CoplanarityTolerance& tolerance_;
-  int smallest_;
   TrimmingMemory& memory_;
   LabelImage& labels_;
 };
 
 }  // namespace
 
-void trimRegions(const BeamGrid& grid, const Eigen::Vector3d& center, const NoiseModel& noise,
-                 const CoplanarityTolerance& tolerance, int smallest, TrimmingMemory& memory, LabelImage& labels,
-                 int threads) {
-  if (tolerance.isWhite()) Trimmer(grid, center, noise, tolerance, smallest, memory, labels).trimAll(threads);
+void trimRegions(const JudgedImage& image, TrimmingMemory& memory, LabelImage& labels, int threads) {
+  if (image.tolerance.isWhite()) Trimmer(image, memory, labels).trimAll(threads);
 }
 
 }  // namespace ppc

@@ -32,12 +32,10 @@ bool clearStrays(const std::vector<RegionPoint>& points, const NearFit& fit, con
 
 }  // namespace
 
-bool refitSmallPlanes(const BeamGrid& grid, const Eigen::Vector3d& center, const NoiseModel& noise,
-                      const CoplanarityTolerance& tolerance, int smallest, const std::vector<LabelRun>& runs,
-                      const std::vector<std::int32_t>& whole, SmallPlaneMemory& memory, std::vector<Eigen::Vector3d>& planes,
-                      LabelImage& labels, int threads) {
+bool refitSmallPlanes(const JudgedImage& image, const std::vector<LabelRun>& runs, const std::vector<std::int32_t>& whole,
+                      SmallPlaneMemory& memory, std::vector<Eigen::Vector3d>& planes, LabelImage& labels, int threads) {
   SmallRegions& small = memory.small;
-  small.list(runs, smallest);
+  small.list(runs, image.smallest);
   std::vector<int>& of_whole = memory.of_whole;
   of_whole.assign(static_cast<std::size_t>(*std::max_element(whole.begin(), whole.end())) + 1, 0);
   for (std::size_t piece = 0; piece < small.points.size(); ++piece) of_whole[whole[piece]] += small.points[piece];
@@ -47,11 +45,11 @@ bool refitSmallPlanes(const BeamGrid& grid, const Eigen::Vector3d& center, const
   forEachPart(threads, static_cast<int>(count), memory.points, [&](int k, std::vector<RegionPoint>& points) {
     const SmallRegions::Region& region = small.regions[k];
     if (small.points[region.label] < kLeastOfLabel * of_whole[whole[region.label]]) return;
-    const NearFit fit = fitNear(grid, center, noise, tolerance, stretches + region.begin, stretches + region.end, points);
+    const NearFit fit = fitNear(image, stretches + region.begin, stretches + region.end, points);
     if (fit.of == NearFit::Of::kFew || fit.of == NearFit::Of::kNone) return;
     if (fit.points < kLeastNear * static_cast<double>(points.size())) return;
     planes[region.label] = fit.a;
-    memory.strays[k] = clearStrays(points, fit, tolerance, labels) ? 1 : 0;
+    memory.strays[k] = clearStrays(points, fit, image.tolerance, labels) ? 1 : 0;
   });
   return std::count(memory.strays.begin(), memory.strays.end(), 1) > 0;
 }

@@ -36,9 +36,10 @@ struct Scene {
     CreaseMemory memory;
     LabelImage again = labels;
     const std::vector<LabelRun> runs = labelRuns(labels);
-    alignCreases(grid, planes, Eigen::Vector3d::Zero(), kNoise, kTolerance, smallest, memory, runs, labels);
+    const JudgedImage image{grid, Eigen::Vector3d::Zero(), kNoise, kTolerance, smallest};
+    alignCreases(image, planes, memory, runs, labels);
     // With memory as left.
-    alignCreases(grid, planes, Eigen::Vector3d::Zero(), kNoise, kTolerance, smallest, memory, runs, again, 2);
+    alignCreases(image, planes, memory, runs, again, 2);
     EXPECT_EQ(again.labels, labels.labels);
     return labels;
   }

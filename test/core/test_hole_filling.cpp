@@ -48,7 +48,7 @@ struct HoledWall {
   int unlabelledAfter(const CoplanarityTolerance& tolerance = kWhite) {
     const LabelImage before = labels;
     const bool filled =
-        fillHoles(grid, planes, Eigen::Vector3d::Zero(), noise, tolerance, kSmallest, memory, labels, labelRuns(before));
+        fillHoles({grid, Eigen::Vector3d::Zero(), noise, tolerance, kSmallest}, planes, memory, labels, labelRuns(before));
     EXPECT_EQ(filled, labels.labels != before.labels);
     EXPECT_EQ(std::count(memory.seen.begin(), memory.seen.end(), 0), grid.size());
     return countOf(labels, 0);

@@ -27,8 +27,8 @@ struct Scene {
     addNoise(grid, kSigma);
   }
   NearFit fit(const std::vector<PixelStretch>& stretches) {
-    return fitNear(grid, Eigen::Vector3d::Zero(), kNoise, kTolerance, stretches.data(), stretches.data() + stretches.size(),
-                   points);
+    return fitNear({grid, Eigen::Vector3d::Zero(), kNoise, kTolerance, 0}, stretches.data(),
+                   stretches.data() + stretches.size(), points);
   }
   NearFit fitAll() { return fit({{0, grid.size()}}); }
 };

@@ -50,7 +50,7 @@ struct Step {
 
   int left(int smallest = kSmallest, const CoplanarityTolerance& tolerance = kTolerance) {
     std::vector<LabelRun> runs = labelRuns(labels);
-    dissolveRegions(grid, planes, Eigen::Vector3d::Zero(), kNoise, tolerance, smallest, memory, labels, runs);
+    dissolveRegions({grid, Eigen::Vector3d::Zero(), kNoise, tolerance, smallest}, planes, memory, labels, runs);
     expectRunsOf(labels, runs);
     return countOf(labels, 3);
   }

@@ -39,8 +39,8 @@ struct HalfKnownWall {
 
   int pointsAfter(const CoplanarityTolerance& tolerance = kWhite, int threads = 1) {
     const LabelImage before = labels;
-    const bool extended = extendRegions(grid, planes, Eigen::Vector3d::Zero(), kNoise, tolerance, kSmallest, memory, labels,
-                                        labelRuns(before), threads);
+    const bool extended = extendRegions({grid, Eigen::Vector3d::Zero(), kNoise, tolerance, kSmallest}, planes, memory,
+                                        labels, labelRuns(before), threads);
     EXPECT_EQ(extended, labels.labels != before.labels);
     EXPECT_EQ(std::count(memory.tried.begin(), memory.tried.end(), 0), grid.size());
     return countOf(labels, 1);

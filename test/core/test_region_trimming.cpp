@@ -37,9 +37,10 @@ struct Scene {
   }
   LabelImage trimmed(int threads, TrimmingMemory& memory) const {
     LabelImage result = labels;
-    trimRegions(grid, Eigen::Vector3d::Zero(), noise, tolerance, kSmallest, memory, result, threads);
+    const JudgedImage image{grid, Eigen::Vector3d::Zero(), noise, tolerance, kSmallest};
+    trimRegions(image, memory, result, threads);
     LabelImage again = labels;
-    trimRegions(grid, Eigen::Vector3d::Zero(), noise, tolerance, kSmallest, memory, again, threads);
+    trimRegions(image, memory, again, threads);
     EXPECT_EQ(again.labels, result.labels);  // with memory as left
     return result;
   }

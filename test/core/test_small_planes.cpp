@@ -44,7 +44,7 @@ struct Scene {
   std::vector<Eigen::Vector3d> refit(int threads = 1) {
     std::vector<Eigen::Vector3d> result = planes;
     left = labels;
-    found_strays = refitSmallPlanes(grid, Eigen::Vector3d::Zero(), kNoise, kTolerance, kSmallest, labelRuns(labels), whole,
+    found_strays = refitSmallPlanes({grid, Eigen::Vector3d::Zero(), kNoise, kTolerance, kSmallest}, labelRuns(labels), whole,
                                     memory, result, left, threads);
     return result;
   }

@@ -2,8 +2,7 @@
 #pragma once
 
 #include "patch_plane_clustering/core/beam_grid.h"
-#include "patch_plane_clustering/core/noise_model.h"
-#include "patch_plane_clustering/core/similarity.h"
+#include "patch_plane_clustering/core/judged_image.h"
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -17,10 +16,8 @@ namespace ppc {
 /// object. Thread-safe.
 class BeamPlanes {
  public:
-  /// @param planes a (see moments.h) of every label. @param center origin of the planes [m].
-  BeamPlanes(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
-             const NoiseModel& noise, const CoplanarityTolerance& tolerance)
-      : grid_(grid), planes_(planes), center_(center), noise_(noise), tolerance_(tolerance) {}
+  /// @param planes a (see moments.h) of every label.
+  BeamPlanes(const JudgedImage& image, const std::vector<Eigen::Vector3d>& planes) : image_(image), planes_(planes) {}
 
   std::size_t size() const { return planes_.size(); }  ///< labels
 
@@ -30,7 +27,8 @@ class BeamPlanes {
   };
   Meeting meet(int pixel, std::int32_t label) const {
     const Eigen::Vector3d& a = planes_[label];
-    return {a.dot(grid_.direction(pixel).cast<double>()), 1.0 + a.dot(center_) - a.dot(grid_.origin(pixel).cast<double>())};
+    return {a.dot(image_.grid.direction(pixel).cast<double>()),
+            1.0 + a.dot(image_.center) - a.dot(image_.grid.origin(pixel).cast<double>())};
   }
 
   /// One standard deviation of the noise of a pixel's range, and of what planes are allowed there [m].
@@ -38,8 +36,8 @@ class BeamPlanes {
     double sigma, floor;
   };
   Errors errorsAt(int pixel) const {
-    const double sigma = noise_.sigmaAt(pixel, grid_.range[pixel]);
-    return {sigma, tolerance_.forNoise(sigma).sigma_distance};
+    const double sigma = image_.noise.sigmaAt(pixel, image_.grid.range[pixel]);
+    return {sigma, image_.tolerance.forNoise(sigma).sigma_distance};
   }
 
   /// Variance of what a plane is allowed, across it, along a beam [m^2]. @param along of the beam's Meeting.
@@ -48,11 +46,8 @@ class BeamPlanes {
   }
 
  private:
-  const BeamGrid& grid_;
+  const JudgedImage& image_;
   const std::vector<Eigen::Vector3d>& planes_;
-  const Eigen::Vector3d& center_;
-  const NoiseModel& noise_;
-  const CoplanarityTolerance& tolerance_;
 };
 
 }  // namespace ppc

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "patch_plane_clustering/core/beam_grid.h"
 #include "patch_plane_clustering/core/crease_meetings.h"
 #include "patch_plane_clustering/core/distance_variance.h"
-#include "patch_plane_clustering/core/noise_model.h"
+#include "patch_plane_clustering/core/judged_image.h"
 #include "patch_plane_clustering/core/pixel_set.h"
 #include "patch_plane_clustering/core/segmentation.h"
-#include "patch_plane_clustering/core/similarity.h"
 
 #include <cstdint>
 #include <vector>
@@ -43,11 +41,9 @@ struct CreaseMemory {
 /// line each of them is seen is taken from points near the border, at which the planes are more than the noise apart; where
 /// those do not agree (at a step, a picture on a wall, an edge in front of something else) the border is left as it is.
 /// A point changes its label only if the planes are within noise of each other along its beam, and it of the other one.
-/// @param planes a (see moments.h) of every label. @param center origin of the planes [m].
-/// @param smallest points that a region has at least; others take no part. @param runs of the labels as they come, see
-/// listRuns().
-void alignCreases(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
-                  const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, CreaseMemory& memory,
+/// Regions of fewer points than JudgedImage::smallest take no part.
+/// @param planes a (see moments.h) of every label. @param runs of the labels as they come, see listRuns().
+void alignCreases(const JudgedImage& image, const std::vector<Eigen::Vector3d>& planes, CreaseMemory& memory,
                   const std::vector<LabelRun>& runs, LabelImage& labels, int threads = 1);
 
 }  // namespace ppc

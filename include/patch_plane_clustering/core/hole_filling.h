@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/judged_image.h"
 #include "patch_plane_clustering/core/label_runs.h"
-#include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/segmentation.h"
-#include "patch_plane_clustering/core/similarity.h"
 
 #include <vector>
 
@@ -29,11 +27,10 @@ struct HoleMemory {
 /// scatter about the plane no more than noise and tolerance let them (mean square 6 + 10 / n variances, 4 standard
 /// deviations of a single one), and their mean is within 5.5 of its standard deviations, which tells more where noise is
 /// large: specks are where it is largest. True things that small stand off by ten and more, or cannot be told.
-/// @param planes a (see moments.h) of every label. @param center origin of the planes [m]. @param smallest points that a
-/// region has at least. @param runs of the labels, see listRuns(), before regions were extended (extendRegions()).
+/// @param planes a (see moments.h) of every label. @param runs of the labels, see listRuns(), before regions were extended
+/// (extendRegions()).
 /// @return whether anything was filled.
-bool fillHoles(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
-               const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, HoleMemory& memory,
-               LabelImage& labels, const std::vector<LabelRun>& runs);
+bool fillHoles(const JudgedImage& image, const std::vector<Eigen::Vector3d>& planes, HoleMemory& memory, LabelImage& labels,
+               const std::vector<LabelRun>& runs);
 
 }  // namespace ppc

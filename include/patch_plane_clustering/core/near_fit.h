@@ -2,9 +2,7 @@
 #pragma once
 
 #include "patch_plane_clustering/core/beam_fit.h"
-#include "patch_plane_clustering/core/beam_grid.h"
-#include "patch_plane_clustering/core/noise_model.h"
-#include "patch_plane_clustering/core/similarity.h"
+#include "patch_plane_clustering/core/judged_image.h"
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -51,10 +49,8 @@ inline double mostChiSquare(double n) { return n + 4.0 * std::sqrt(2.0 * n); }
 
 /// @brief Fits a plane to the measurements of stretches of pixels, along their beams. If not all are explained by noise,
 /// outliers are left out, twice. Deterministic; thread-safe.
-/// @param stretches of one region. @param center origin of planes, about which beams begin [m].
-/// @param points overwritten: all measurements.
-NearFit fitNear(const BeamGrid& grid, const Eigen::Vector3d& center, const NoiseModel& noise,
-                const CoplanarityTolerance& tolerance, const PixelStretch* begin, const PixelStretch* end,
+/// @param begin,end stretches of one region. @param points overwritten: all measurements.
+NearFit fitNear(const JudgedImage& image, const PixelStretch* begin, const PixelStretch* end,
                 std::vector<RegionPoint>& points);
 
 /// @brief Variances of points with all that planes are allowed, turned by the angle and seen at a slant, over what their

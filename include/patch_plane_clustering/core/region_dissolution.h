@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/judged_image.h"
 #include "patch_plane_clustering/core/label_runs.h"
-#include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/region_stretches.h"
 #include "patch_plane_clustering/core/run_listing.h"
 #include "patch_plane_clustering/core/segmentation.h"
-#include "patch_plane_clustering/core/similarity.h"
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -61,11 +59,9 @@ struct DissolutionMemory {
 /// and no number of its points tells more. There, regions of any shape are dissolved too if beside them is one four times as
 /// large, and too large to be judged, whose plane costs them at most three times what it costs its own points (two
 /// variances at most): a face within 1.4 standard deviations of what that region shows.
-/// @param planes a (see moments.h) of every label. @param center origin of the planes [m]. @param smallest points that a
-/// region has at least: what is smaller is neither judged nor given any. @param runs of the labels, see listRuns(); likewise
-/// brought up to date.
-void dissolveRegions(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
-                     const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, DissolutionMemory& memory,
+/// Regions of fewer points than JudgedImage::smallest are neither judged nor given any.
+/// @param planes a (see moments.h) of every label. @param runs of the labels, see listRuns(); likewise brought up to date.
+void dissolveRegions(const JudgedImage& image, const std::vector<Eigen::Vector3d>& planes, DissolutionMemory& memory,
                      LabelImage& labels, std::vector<LabelRun>& runs, int threads = 1);
 
 }  // namespace ppc

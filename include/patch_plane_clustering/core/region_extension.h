@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/judged_image.h"
 #include "patch_plane_clustering/core/label_runs.h"
-#include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/segmentation.h"
-#include "patch_plane_clustering/core/similarity.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -38,11 +36,9 @@ struct ExtensionMemory {
 /// tolerance. They become part of it if there are at least 16 whose distances scatter no more than noise and have none for
 /// mean: those of a surface that crosses the plane, or leaves it, scatter evenly or lie on one side. Larger regions come
 /// first. Deterministic; thread-safe with memory of one's own.
-/// @param planes a (see moments.h) of every label. @param center origin of the planes [m]. @param smallest points that a
-/// region has at least: what is smaller is not extended. @param runs of the labels, see listRuns().
+/// @param planes a (see moments.h) of every label. @param runs of the labels, see listRuns().
 /// @return whether any region was extended, so that the runs are no longer those of the labels.
-bool extendRegions(const BeamGrid& grid, const std::vector<Eigen::Vector3d>& planes, const Eigen::Vector3d& center,
-                   const NoiseModel& noise, const CoplanarityTolerance& tolerance, int smallest, ExtensionMemory& memory,
+bool extendRegions(const JudgedImage& image, const std::vector<Eigen::Vector3d>& planes, ExtensionMemory& memory,
                    LabelImage& labels, const std::vector<LabelRun>& runs, int threads = 1);
 
 }  // namespace ppc

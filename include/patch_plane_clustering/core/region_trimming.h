@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "patch_plane_clustering/core/beam_grid.h"
+#include "patch_plane_clustering/core/judged_image.h"
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/near_fit.h"
-#include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/region_fringe.h"
 #include "patch_plane_clustering/core/run_listing.h"
 #include "patch_plane_clustering/core/segmentation.h"
-#include "patch_plane_clustering/core/similarity.h"
 #include "patch_plane_clustering/core/small_regions.h"
 
 #include <Eigen/Core>
@@ -44,11 +42,7 @@ struct TrimmingMemory {
 /// label any more: a few leaves of a plant, a corner of three faces.
 /// For errors that are not correlated (CoplanarityTolerance::isWhite()): others exceed chi-square on planes, too. Regions
 /// of more than SmallRegions::kMostPoints are left as they are. Deterministic; thread-safe with memory of one's own.
-/// @param center origin of planes, about which beams begin [m]. @param smallest points of a region that is judged, with a
-/// measurement.
 /// @param labels of valid and invalid pixels; those that are taken off become 0.
-void trimRegions(const BeamGrid& grid, const Eigen::Vector3d& center, const NoiseModel& noise,
-                 const CoplanarityTolerance& tolerance, int smallest, TrimmingMemory& memory, LabelImage& labels,
-                 int threads = 1);
+void trimRegions(const JudgedImage& image, TrimmingMemory& memory, LabelImage& labels, int threads = 1);
 
 }  // namespace ppc

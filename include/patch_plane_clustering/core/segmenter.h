@@ -2,81 +2,13 @@
 #pragma once
 
 #include "patch_plane_clustering/core/beam_grid.h"
-#include "patch_plane_clustering/core/border_settlement.h"
-#include "patch_plane_clustering/core/clustering.h"
 #include "patch_plane_clustering/core/config.h"
-#include "patch_plane_clustering/core/connected_pieces.h"
-#include "patch_plane_clustering/core/crease_alignment.h"
-#include "patch_plane_clustering/core/curvature.h"
-#include "patch_plane_clustering/core/hole_filling.h"
-#include "patch_plane_clustering/core/label_reunion.h"
-#include "patch_plane_clustering/core/line_errors.h"
-#include "patch_plane_clustering/core/noise_correlation.h"
-#include "patch_plane_clustering/core/noise_model.h"
-#include "patch_plane_clustering/core/patch_grid.h"
-#include "patch_plane_clustering/core/patch_labels.h"
-#include "patch_plane_clustering/core/polygon_memory.h"
-#include "patch_plane_clustering/core/refinement.h"
-#include "patch_plane_clustering/core/region_dissolution.h"
-#include "patch_plane_clustering/core/region_extension.h"
-#include "patch_plane_clustering/core/region_merging.h"
-#include "patch_plane_clustering/core/region_splitting.h"
-#include "patch_plane_clustering/core/region_statistics.h"
-#include "patch_plane_clustering/core/region_trimming.h"
 #include "patch_plane_clustering/core/segmentation.h"
-#include "patch_plane_clustering/core/small_planes.h"
-#include "patch_plane_clustering/core/standing_lines.h"
-#include "patch_plane_clustering/core/strays.h"
-#include "patch_plane_clustering/core/surface_noise.h"
+#include "patch_plane_clustering/core/segmentation_memory.h"
+
+#include <vector>
 
 namespace ppc {
-
-/// @brief Working memory of finishSegmentation(), which one image after the other may use.
-struct FinishingMemory {
-  std::vector<LabelRun> runs;
-  RenumberingMemory renumbering;
-  RegionMemory regions;
-  PolygonMemory polygons;
-};
-
-/// @brief Working memory of clusterPatches() and segment(). Given to one image after the other, it spares them asking the
-/// system for anything, so far as they are of one size and kind; it carries nothing else from one to the next.
-struct ClusteringMemory {
-  StrayMemory strays;
-  StandingLineMemory standing;
-  LineErrorMemory lines;
-  BeamGrid corrected;  ///< the image without errors of whole lines
-  NoiseMemory noise;
-  SurfaceNoiseMemory surface_noise;
-  CorrelationMemory correlation;
-  InflationMemory inflation;
-  AngularSteps steps;
-  PatchGridMemory patch_grids;
-  PatchGrid patches, small_patches;
-  PatchClusters clusters;
-  GrowthMemory growth;
-  CellShares shares;
-  ShareMemory share_updates;
-  MergeMemory merging;
-  RefinementMemory refinement;
-  std::vector<PatchRow> patch_rows;
-  std::vector<char> changed;
-  LabelSplitMemory splits;
-  LabelPieces pieces;
-  SplitMemory split;
-  ReunionMemory reunion;
-  BorderMemory borders;
-  std::vector<std::int32_t> settled;  ///< label of every piece once borders are settled
-  CurvatureMemory curvature;
-  std::vector<Eigen::Vector3d> planes, piece_planes;  ///< of the labels, and of their pieces
-  DissolutionMemory dissolution;
-  SmallPlaneMemory small_planes;
-  ExtensionMemory extension;
-  HoleMemory holes;
-  CreaseMemory creases;
-  TrimmingMemory trimming;
-  FinishingMemory finishing;
-};
 
 /// @brief Patch-based Plane Clustering: labels of the planar regions of a grid of beams (PPC's own stages, up to the label
 /// image). Deterministic: same grid and config, same labels.

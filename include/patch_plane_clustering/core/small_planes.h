@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "patch_plane_clustering/core/judged_image.h"
 #include "patch_plane_clustering/core/near_fit.h"
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/small_regions.h"
@@ -28,13 +29,11 @@ struct SmallPlaneMemory {
 /// plane, of noise and of all that planes are allowed (ToleratedScale): some that a label without any region has won are
 /// given back unseen. If there are more than one in twenty they stay: it may be the plane that is wrong. Deterministic,
 /// whatever the number of threads; thread-safe with memory of one's own.
-/// @param runs of the pieces. @param whole the label that each piece is part of. @param planes a (see moments.h, about
-/// `center`) of every piece; those of pieces of `smallest` to SmallRegions::kMostPoints pixels may be set anew.
+/// @param runs of the pieces. @param whole the label that each piece is part of. @param planes a (see moments.h) of every
+/// piece; those of pieces of JudgedImage::smallest to SmallRegions::kMostPoints pixels may be set anew.
 /// @param labels pieces; strays become 0.
 /// @return whether there were any, so that the runs are no longer those of the labels.
-bool refitSmallPlanes(const BeamGrid& grid, const Eigen::Vector3d& center, const NoiseModel& noise,
-                      const CoplanarityTolerance& tolerance, int smallest, const std::vector<LabelRun>& runs,
-                      const std::vector<std::int32_t>& whole, SmallPlaneMemory& memory, std::vector<Eigen::Vector3d>& planes,
-                      LabelImage& labels, int threads = 1);
+bool refitSmallPlanes(const JudgedImage& image, const std::vector<LabelRun>& runs, const std::vector<std::int32_t>& whole,
+                      SmallPlaneMemory& memory, std::vector<Eigen::Vector3d>& planes, LabelImage& labels, int threads = 1);
 
 }  // namespace ppc
