@@ -26,9 +26,13 @@ constexpr double kWinding = 8.0;       // border over the root of a side's cells
 constexpr double kDivisionLeft = 0.3;  // beyond noise, over what a division explains: there may be a third plane
 constexpr double kStepLeft = 0.6;      // likewise, if there is a step for certain
 constexpr double kStepHeight = 0.6;    // of a step from cell to cell, in the tolerance: those at an edge have part in both
-constexpr double kCreaseCosine = 0.9976;  // between planes, 4 degrees
-constexpr double kCreaseGain = 4.0;       // of a crease over a quadratic surface, over what noise may leave
-constexpr double kCreaseLeft = 0.15;  // beyond noise, over that gain: points of what is beside a label lie along its border
+// What tells a crease for certain: largest cosine between the planes, gain over that of a quadratic surface, over what noise
+// may leave, and what may be left beyond noise, over that gain: points of what is beside a label lie along its border. A
+// coarse sensor shows long bows of less than a fine one's noise, so that more is asked of it.
+struct CreaseLimits {
+  double cosine, gain, left;
+};
+constexpr CreaseLimits kFineCrease{0.9976, 4.0, 0.15}, kCoarseCrease{0.9992, 10.0, 0.05};
 constexpr double kSignificance = 30.0;  // of a cut, over one plane and one quadratic surface: far beyond chi-square
 constexpr double kNoiseError = 0.1;     // of its variance
 constexpr double kMostLeft = 3.0;       // beyond noise, over what two planes explain, where there may be a third one
@@ -236,13 +240,14 @@ class LabelSplitter {
     return parallel && left < std::max(noise, kStepLeft * division.gain) && isStep(part, work, fit);
   }
 
-  // Whether a fine sensor tells a crease for certain: one quadratic surface leaves far more beyond two planes than noise
-  // may, and these leave no more than noise, or a small part of that.
+  // Whether there is a crease for certain: one quadratic surface leaves far more beyond two planes than noise may, and these
+  // leave no more than noise, or a small part of that.
   bool isCrease(const LabelSplit& split, const SurfaceDivision& division, double bow) const {
+    const bool fine = tolerance_.isFine(noise_.sigma((split.low.sum + split.high.sum).mean().norm()));
+    const CreaseLimits& limits = fine ? kFineCrease : kCoarseCrease;
     const double noise = split.noise(tolerance_), over_bow = division.gain - bow;
-    return split.low.fit.normal().dot(split.high.fit.normal()) < kCreaseCosine && over_bow > kCreaseGain * noise &&
-           split.leftOver() < std::max(noise, kCreaseLeft * over_bow) &&
-           tolerance_.isFine(noise_.sigma((split.low.sum + split.high.sum).mean().norm()));
+    return split.low.fit.normal().dot(split.high.fit.normal()) < limits.cosine && over_bow > limits.gain * noise &&
+           split.leftOver() < std::max(noise, limits.left * over_bow);
   }
 
   // Whether the border of a division is a step that a fine sensor tells from waves: cells on both sides of it differ

@@ -134,6 +134,25 @@ TEST(SplitLabels, TellsLowCreasesOfAFineSensorFromBows) {
   EXPECT_LT(fine.common(right, label), 0.05 * countOf(fine.truth, right));
 }
 
+// A ramp on a floor, say, which a merge has taken for one that sags.
+TEST(SplitLabels, TellsCreasesOfLargeLabelsFromBows) {
+  const double angle = 0.1;  // on both sides
+  const std::vector<Surface> crease = {wall({-1.0, angle, 0.0}, -3.0), wall({-1.0, -angle, 0.0}, -3.0)};
+  const auto wide = [](const std::vector<Surface>& surfaces) { return Scene(surfaces, 0.00125, 0.004); };
+  Scene creased = wide(crease), bowed = wide({column(7.6, 0.0, 4.6)}),
+        correlated = wide(crease);  // by as much from end to end
+  EXPECT_GT(creased.cells.patches.size(), 1900U);
+  EXPECT_FALSE(bowed.split());
+  EXPECT_FALSE(correlated.split(2.0));
+  EXPECT_TRUE(creased.split());
+  ASSERT_EQ(creased.count(), 2);
+  const std::int32_t left = creased.truth.labels.front(), right = creased.truth.labels.back();
+  ASSERT_NE(left, right);
+  const std::int32_t label = creased.labels.labels.front();
+  EXPECT_GT(creased.common(left, label), 0.98 * countOf(creased.truth, left));
+  EXPECT_LT(creased.common(right, label), 0.02 * countOf(creased.truth, right));
+}
+
 // Two faces that meet at 14 degrees as one label of many cells, which has some points of what is beside it.
 TEST(SplitLabels, TellsACreaseAlthoughTheLabelHasPointsOfAThirdFace) {
   Scene scene({wall({-1.0, 0.12, 0.0}, -3.0), wall({-1.0, -0.12, 0.0}, -3.0)}, 0.0025, kFine);
@@ -183,15 +202,15 @@ TEST(SplitLabels, GivesStripsOfTwoPlanesTwoLabels) {
   }
 }
 
-// Of as many cells as one wall has: a low step is found, and what bends is left to the test of curvature.
-TEST(SplitLabels, SplitsLargeLabelsAtLowStepsAlone) {
+// Of as many cells as one wall has: a low step and a crease are found, and what bends is left to the test of curvature.
+TEST(SplitLabels, SplitsLargeLabelsAtLowSteps) {
   Scene step({surfaceOf({{-Eigen::Vector3d::UnitX(), -2.98}, kLeft}), kRest}, 0.0025);
   EXPECT_GT(step.cells.patches.size(), 400U);
   EXPECT_TRUE(step.split());
   ASSERT_EQ(step.count(), 2);
   EXPECT_GT(step.common(2, 1), 0.9 * countOf(step.truth, 2));
   EXPECT_GT(step.common(1, 2), 0.9 * countOf(step.truth, 1));
-  EXPECT_FALSE(Scene({turned(0.3), kRest}, 0.0025).split());
+  EXPECT_TRUE(Scene({turned(0.3), kRest}, 0.0025).split());
   EXPECT_FALSE(Scene({column(3.0, 0.0, 0.3)}, 0.0025).split());
   EXPECT_FALSE(Scene({kWall}, 0.0025).split());
   EXPECT_FALSE(Scene({surfaceOf({{-Eigen::Vector3d::UnitX(), -2.98}, kLeft}), kRest}, 0.0025).split(4.0));

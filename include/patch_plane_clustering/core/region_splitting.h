@@ -59,13 +59,14 @@ struct LabelSplitMemory {
 /// counted in misfits of whole cells, not of points, unless points within cells show that more than a tenth of the noise's
 /// variance is wrong: of many points, a small error of the noise leaves more than any third plane. Sides are split again.
 /// Labels of more than 300 cells are split only where errors are not correlated and misfits over whole cells tell of a
-/// second plane, and only into parallel sides, as a low step is all that so much swallows, and walls bow: by divisions, or
-/// by a straight cut that explains 1.4 times as much as a quadratic surface, if chi-square is 3 % above what noise leaves.
+/// second plane, and only into parallel sides, as walls bow: by divisions, or by a straight cut that explains 1.4 times as
+/// much as a quadratic surface, if chi-square is 3 % above what noise leaves.
 ///
-/// A sensor so fine that the tolerance shrinks with its noise (CoplanarityTolerance::forNoise()) tells more for certain,
-/// from divisions of labels of any size, also where the misfit is within the tolerance: a crease of 4 degrees and more, if
-/// one quadratic surface leaves four times as much as noise may beyond two planes, and these leave no more than noise, or
-/// .15 of that; and a low step of parallel sides, if cells on both sides of the border already differ by 0.6 of the
+/// Some divisions of labels of any size are beyond doubt, and taken also where the misfit is within the tolerance. At a
+/// crease, as between a floor and a ramp that was merged with it, one quadratic surface leaves far more beyond two planes
+/// than noise may, and these leave next to nothing: from 2.3 degrees on, ten times as much and .05 of that; for a sensor so
+/// fine that the tolerance shrinks with its noise (CoplanarityTolerance::forNoise()), from 4 degrees on, four times and .15.
+/// To such a sensor, there is a low step of parallel sides if cells on both sides of the border already differ by 0.6 of the
 /// tolerance, which most waves and bows do not, though as much as 0.6 of what the division explains may be left for a third
 /// level.
 /// @param cells with weighed moments. @param smallest points of a label; a side has a quarter at least.
