@@ -32,7 +32,7 @@ void PlaneSegmenter::segment(const BeamGrid& grid, const Config& config, Segment
   result.stages.clear();
   result.labels = label(grid, config, &result.stages);
   FinishingMemory memory;
-  finishSegmentation(grid, config, memory, result);
+  finishSegmentation(grid, smallestRegion(config, grid.size()), config, memory, result);
 }
 
 void PlaneSegmenter::setParameter(const std::string& name, double value) {

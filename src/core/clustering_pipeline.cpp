@@ -20,6 +20,18 @@ int gapRows(const PatchGrid& patches) {
   return kGapCols * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols);
 }
 
+// At the ranges of planar patches, their mean [m].
+double typicalNoise(const PatchGrid& patches, const NoiseModel& noise) {
+  double sum = 0.0;
+  int count = 0;
+  for (const Patch& patch : patches.patches) {
+    if (!patch.planar) continue;
+    sum += noise.sigma(patch.range);
+    ++count;
+  }
+  return sum / std::max(1, count);
+}
+
 }  // namespace
 
 ClusteringPipeline::ClusteringPipeline(const BeamGrid& grid, double line_error_left, const Config& config, StageTimer& timer,
@@ -29,11 +41,14 @@ ClusteringPipeline::ClusteringPipeline(const BeamGrid& grid, double line_error_l
       timer_(timer),
       memory_(memory),
       labels_(labels),
-      smallest_(smallestRegion(config, grid.size())),
       settle_(config.refine && config.settle_borders),
       errors_(patchesWithErrors(line_error_left)),
       noise_(errors_.noise),
-      tolerance_(errors_.tolerance) {}
+      tolerance_(errors_.tolerance),
+      smallest_(config.noise_aware ? smallestRegion(config, grid.size(), typicalNoise(memory.patches, errors_.noise))
+                                   : smallestRegion(config, grid.size())) {
+  memory.smallest = smallest_;
+}
 
 ImageErrors ClusteringPipeline::patchesWithErrors(double line_error_left) {
   AngularSteps& steps = memory_.steps;

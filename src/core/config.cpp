@@ -48,7 +48,7 @@ std::vector<ConfigField> makeFields() {
       PPC_FIELD("avoid_range_limit", Type::kBool, 0, 1, avoid_range_limit,
                 "begin no region where the sensor's range ends, and what is still measured stands off its plane"),
       PPC_FIELD("merge", Type::kBool, 0, 1, merge, "merge clusters that one plane explains"),
-      PPC_FIELD("min_size", Type::kInt, 0, 1000000, min_size, "smallest region, 0 = by the size of the image [points]"),
+      PPC_FIELD("min_size", Type::kInt, 0, 1000000, min_size, "smallest region, 0 = by the image's size and noise [points]"),
       PPC_FIELD("refine", Type::kBool, 0, 1, refine, "assign points one by one along the borders of clusters"),
       PPC_FIELD("second_pass", Type::kBool, 0, 1, second_pass,
                 "look for thin regions with smaller patches in what the first pass left over"),
@@ -117,12 +117,21 @@ const ConfigField& fieldNamed(const std::string& name) {
   throw std::invalid_argument("unknown parameter '" + name + "'; did you mean '" + nearestName(names, name) + "'?");
 }
 
+constexpr int kLeastSize = 60;  // of a region, if none is given [points]
+
 }  // namespace
 
 int smallestRegion(const Config& config, int pixels) {
-  constexpr int kPixelsAPoint = 550, kLeast = 60, kMost = 350;
+  constexpr int kPixelsAPoint = 550, kMost = 350;
   // Three points make a plane.
-  return config.min_size > 0 ? std::max(3, config.min_size) : std::clamp(pixels / kPixelsAPoint, kLeast, kMost);
+  return config.min_size > 0 ? std::max(3, config.min_size) : std::clamp(pixels / kPixelsAPoint, kLeastSize, kMost);
+}
+
+int smallestRegion(const Config& config, int pixels, double noise) {
+  constexpr double kCoarse = 0.005, kLeastShare = 1.0 / 3.0;
+  const int of_any_noise = smallestRegion(config, pixels);
+  if (config.min_size > 0) return of_any_noise;
+  return std::max(kLeastSize, static_cast<int>(std::clamp(noise / kCoarse, kLeastShare, 1.0) * of_any_noise));
 }
 
 const std::vector<ConfigField>& configFields() {

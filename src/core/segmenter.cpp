@@ -43,16 +43,16 @@ Segmentation segment(const BeamGrid& grid, const Config& config) {
 void segment(const BeamGrid& grid, const Config& config, ClusteringMemory& memory, Segmentation& result) {
   result.stages.clear();
   clusterPatches(grid, config, memory, result.labels, &result.stages);
-  finishSegmentation(grid, config, memory.finishing, result);
+  finishSegmentation(grid, memory.smallest, config, memory.finishing, result);
 }
 
-void finishSegmentation(const BeamGrid& grid, const Config& config, FinishingMemory& memory, Segmentation& result) {
+void finishSegmentation(const BeamGrid& grid, int smallest, const Config& config, FinishingMemory& memory,
+                        Segmentation& result) {
   const WorkerPool::Alert alert(WorkerPool::ofProcess(), config.threads);
   LabelImage& labels = result.labels;
   StageTimer timer(&result.stages);
   std::vector<LabelRun>& runs = memory.runs;
-  renumberBySize(grid, smallestRegion(config, grid.size()), memory.renumbering, labels, runs, result.valid_points,
-                 config.threads);
+  renumberBySize(grid, smallest, memory.renumbering, labels, runs, result.valid_points, config.threads);
   Beside outlines(config.threads, [&] { traceOutlines(labels, runs, config.polygons, memory.polygons); });
   describeRegions(grid, runs, memory.regions, result.regions, config.threads);
   timer.lap("statistics");

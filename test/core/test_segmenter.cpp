@@ -402,6 +402,19 @@ TEST(Segmenter, DropsRegionsBelowTheMinimumSize) {
   EXPECT_EQ(countOf(one.labels, 2), 0);
 }
 
+TEST(Segmenter, KeepsSmallerFacesOfAFineSensor) {
+  const auto picture = [](const Eigen::Vector3d& p) { return std::abs(p.y()) < 0.04 && std::abs(p.z()) < 0.04; };
+  for (const auto& [sigma, regions] : {std::pair(0.001, 2U), std::pair(0.01, 1U)}) {
+    BeamGrid grid = forwardBeams(240, 320, kStep);
+    const LabelImage truth =
+        scan({surfaceOf({{-Eigen::Vector3d::UnitX(), -1.8}, picture}), wall({-1.0, 0.0, 0.0}, -3.0)}, grid);
+    EXPECT_GT(countOf(truth, 1), smallestRegion(Config(), grid.size(), 0.001));
+    EXPECT_LT(countOf(truth, 1), smallestRegion(Config(), grid.size()));
+    addNoise(grid, sigma);
+    EXPECT_EQ(segmented(grid).regions.size(), regions) << sigma;
+  }
+}
+
 // Bit for bit: labels, planes, covariances, polygons.
 void expectSame(const Segmentation& found, const Segmentation& expected) {
   EXPECT_EQ(found.labels.rows, expected.labels.rows);

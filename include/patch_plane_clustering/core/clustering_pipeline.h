@@ -47,11 +47,11 @@ class ClusteringPipeline {
   StageTimer& timer_;
   ClusteringMemory& memory_;
   LabelImage& labels_;
-  const int smallest_;
   const bool settle_;  ///< whether borders are
   const ImageErrors errors_;
   const NoiseModel& noise_;
   const CoplanarityTolerance& tolerance_;
+  const int smallest_;  ///< points of a region
 };
 
 }  // namespace ppc

@@ -25,7 +25,7 @@ struct Config {
   bool noise_by_surface = true;       ///< find surfaces with more noise than is typical; only if the noise is estimated
   bool avoid_range_limit = true;      ///< begin no region where the sensor's range ends, and what is measured stands off
   bool merge = true;                  ///< merge clusters that one plane explains
-  int min_size = 0;                   ///< smallest region [points]; 0: by the size of the image, see smallestRegion()
+  int min_size = 0;                   ///< smallest region [points]; 0: by the image's size and noise, see smallestRegion()
   bool refine = true;                 ///< assign points one by one along the borders of clusters
   bool second_pass = true;            ///< look for thin regions with smaller patches in what the first pass left over
   bool split_regions = true;          ///< split regions that two planes explain far better than one, in the second pass
@@ -46,6 +46,9 @@ struct Config {
 /// @brief Points that a region must have at least: config.min_size (but no less than 3) or, if that is 0, one for every 550
 /// pixels of the image, 60 to 350. A fixed number would leave out of a coarse scan what a person calls a wall.
 int smallestRegion(const Config& config, int pixels);
+/// @brief The same where the noise of the ranges is known to be so much [m]: below 5 mm, fewer points make a region, in
+/// proportion, down to a third and 60, as they tell a plane as well.
+int smallestRegion(const Config& config, int pixels, double noise);
 
 /// @brief One tunable field: its public name, meaning, unit and allowed range. Booleans and integers are carried as doubles.
 struct ConfigField {

@@ -56,6 +56,7 @@ struct ClusteringMemory {
   AngularSteps steps;
   PatchGridMemory patch_grids;
   PatchGrid patches, small_patches;
+  int smallest = 0;  ///< points that a region of the image has at least
   PatchClusters clusters;
   GrowthMemory growth;
   CellShares shares;

@@ -24,7 +24,9 @@ Segmentation segment(const BeamGrid& grid, const Config& config);
 void segment(const BeamGrid& grid, const Config& config, ClusteringMemory& memory, Segmentation& result);
 
 /// @brief The steps that every method shares once it has labels: small regions dropped, ids by size, planes, polygons.
-/// @param result with the labels and the stages up to them; the rest is overwritten, and its memory used again.
-void finishSegmentation(const BeamGrid& grid, const Config& config, FinishingMemory& memory, Segmentation& result);
+/// @param smallest points that a region has at least. @param result with the labels and the stages up to them; the rest is
+/// overwritten, and its memory used again.
+void finishSegmentation(const BeamGrid& grid, int smallest, const Config& config, FinishingMemory& memory,
+                        Segmentation& result);
 
 }  // namespace ppc
