@@ -17,9 +17,10 @@ constexpr double kNarrowTurn = 0.6;    // turn of each over the angle between th
 constexpr int kFanSizes = 6;           // largest ratio of their sizes
 constexpr double kFanRatio = 0.15;     // misfit of one quadratic surface over that of one plane, for two strips of a fan
 constexpr double kFanMisfit = 0.1;     // the same misfit per point, in units of the noise variance
-constexpr double kCreaseRatio = 4.0;   // misfit of one quadratic surface over that of two planes, for no fan
-constexpr double kWideFan = 0.93;      // angle between two strips from which on the sides of an edge must be ruled out [rad]
-constexpr double kWidestFan = 2.0;     // largest angle between two strips of a fan [rad]
+// Misfit of one quadratic surface over that of two planes, for no fan: in general, and for a fine sensor.
+constexpr double kCreaseRatio = 4.0, kFineCreaseRatio = 1.5;
+constexpr double kWideFan = 0.93;   // angle between two strips from which on the sides of an edge must be ruled out [rad]
+constexpr double kWidestFan = 2.0;  // largest angle between two strips of a fan [rad]
 constexpr double kWideFanRatio = 0.035;  // as kFanRatio, beyond kWideFan: an evenly sampled edge of two planes has 1/16
 constexpr double kLimbAngle = 0.31;      // smallest angle of a strip at the limb of a curved surface to its neighbour [rad]
 constexpr double kLimbRatio = 0.65;      // as kFanRatio, for such a strip
@@ -37,12 +38,15 @@ struct Misfit {
   double quadratic = 0.0;  // of one quadratic surface
   double own = 0.0;        // of their own planes
   double allowed = 0.0;    // what noise and tolerance are worth in all of the points
+  bool fine = false;       // whether the tolerance shrinks with the noise
 
   bool isSmooth(double ratio, double misfit) const { return quadratic < ratio * plane && quadratic < misfit * allowed; }
 
   // Whether two planes serve far better than one surface, however little that leaves of tolerances: narrow faces at a
   // crease.
-  bool isCreased(double inflation) const { return quadratic > kCreaseRatio * (own + kBendSignificance * inflation); }
+  bool isCreased(double inflation) const {
+    return quadratic > (fine ? kFineCreaseRatio : kCreaseRatio) * (own + kBendSignificance * inflation);
+  }
 };
 
 class CommonSurface {
@@ -73,15 +77,18 @@ class CommonSurface {
     const QuadraticFit both = fitQuadratic(sums += sums_b);
     return {both.plane_chi2 - fit_a.plane_chi2 - fit_b.plane_chi2,
             both.quadratic_chi2 - fit_a.quadratic_chi2 - fit_b.quadratic_chi2,
-            fit_a.plane_chi2 + fit_b.plane_chi2 - fit_a.quadratic_chi2 - fit_b.quadratic_chi2, allowed(both.weight)};
+            fit_a.plane_chi2 + fit_b.plane_chi2 - fit_a.quadratic_chi2 - fit_b.quadratic_chi2, allowed(both.weight),
+            tolerance_.isFine(sigma())};
   }
 
  private:
   double allowed(double weight) const {
     const double points = a_.region.stride * a_.region.samples.used + b_.region.stride * b_.region.samples.used;
-    const double sigma = std::max(a_.region.sigma, b_.region.sigma), distance = tolerance_.forNoise(sigma).sigma_distance;
+    const double distance = tolerance_.forNoise(sigma()).sigma_distance;
     return tolerance_.inflation * points + distance * distance * weight;
   }
+
+  double sigma() const { return std::max(a_.region.sigma, b_.region.sigma); }
 
   // Heights along n, not along the region's own normal, are larger.
   double ownPlaneChi2(const BentRegion& region) const {

@@ -219,6 +219,19 @@ TEST(DropCurvedRegions, KeepsNarrowFacesOfACreaseSeenByManyBeams) {
   EXPECT_EQ(scene.labels.labels, before);
 }
 
+// Faces of a prism, 2 cm wide and 45 deg apart: a fine sensor tells them from a cylinder by less.
+TEST(DropCurvedRegions, KeepsFacesOfAPrismThatAFineSensorSees) {
+  const double sigma = 0.0015;
+  Scene scene({wall({-1.0, 0.41, 0.0}, -0.6), wall({-1.0, -0.41, 0.0}, -0.6)}, sigma);
+  for (int i = 0; i < scene.grid.size(); ++i) {
+    const Eigen::Vector3f point = scene.grid.point(i);
+    if (std::abs(point.y()) > 0.018F || std::abs(point.z()) > 0.1F) scene.labels.labels[i] = 0;
+  }
+  const std::vector<std::int32_t> before = scene.labels.labels;
+  scene.drop(kMaxTurn, NoiseModel(SensorModel{sigma, sigma, 10.0, 0.0}, 1.0));
+  EXPECT_EQ(scene.labels.labels, before);
+}
+
 // Noise across strips at the limb is a fraction of that along the range: no reason to test them as a fine sensor's.
 TEST(DropCurvedRegions, ClearsStripsOfAFanThatBeamsGraze) {
   const NoiseModel noise(SensorModel{0.003, 0.003, 10.0, 0.0}, 1.0);
