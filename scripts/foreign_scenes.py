@@ -3,7 +3,7 @@
 """Scores segmentation on images of a second simulator, for tilting lasers and other sensors: prints a table.
 
 Boxes, balls and columns, cast by a few lines of numpy that share nothing with the package's own simulator. A tool that is good on
-its own scenes alone would show here. Sensors: the tilting lasers that the package is made for (also in rooms of thin faces, with
+its own scenes alone would show here. Sensors: the tilting lasers that the package is made for (also in rooms of thin faces and of shallow creases, with
 errors of all kinds, with lines lost, and with surfaces of more noise than others), small time-of-flight cameras, structured light
 at a desk, range cameras, laser scanners of one millimetre, a spinning laser of 32 rings. Each image is an organised cloud as `ppc segment`
 reads it. All parameters are the defaults, but where scripts/baselines.yaml has better ones of other methods for the sensor.
@@ -125,6 +125,25 @@ def room(beams, rng, boxes=10):
     return scene
 
 
+def ramps(beams, rng):
+    """Shallow creases: a room with a ramp of 3 to 8 degrees on its floor, doors ajar by 2 to 7 degrees, a few boxes."""
+    scene, floor, here = Scene(beams), rng.uniform(0.6, 1.3), turn(UP, rng.uniform(-0.4, 0.4))
+    width, depth = rng.uniform(1.8, 3.5), rng.uniform(5, 8)
+    scene.box(here @ numpy.array([0, floor - 1.4, depth - 2]), numpy.array([width, 1.4, depth]), here, True)
+    foot, length = here @ numpy.array([rng.uniform(-0.4, 0.4) * width, floor, rng.uniform(1.2, 2.5)]), rng.uniform(2.5, 4.5)
+    slope, thick = here @ turn((1, 0, 0), numpy.radians(rng.uniform(3, 8))), 0.2 * length
+    scene.box(foot + slope @ numpy.array([0, thick, length / 2]), numpy.array([rng.uniform(0.6, 1), thick, length / 2]), slope)
+    for side in (-1, 1):
+        hinge, ajar = here @ numpy.array([side * width, floor - 1.05, rng.uniform(1, 4)]), numpy.radians(rng.uniform(2, 7))
+        leaf = here @ turn(UP, -side * ajar)
+        scene.box(hinge + leaf @ numpy.array([0, 0, 0.45]), numpy.array([0.02, 1.04, 0.45]), leaf)
+    for _ in range(4):
+        half = rng.uniform(0.15, 0.4, 3)
+        scene.box(here @ numpy.array([rng.choice([-1, 1]) * rng.uniform(0.5, 0.9) * width, floor - half[1], rng.uniform(2, 6)]), half,
+                  turn(UP, rng.uniform(0, 3)))
+    return scene
+
+
 def furnished(beams, rng):
     """Thin faces: a room with pillars, a beam below the ceiling, a cupboard, a table on legs, a door ajar, boxes upright and tilted."""
     scene, floor, height, here = Scene(beams), 1.1, 1.3, turn(UP, rng.uniform(-0.5, 0.5))
@@ -238,6 +257,8 @@ SENSORS = {
     'furnished room, tilting UTM-30LX, 10 mm': (lambda rng: furnished(UTM, rng), white(0.01, 0.001), 400, 'UTM-30LX x1'),
     'furnished room, tilting UTM-30LX, all errors': (lambda rng: furnished(UTM, rng), all_errors, 400, 'UTM-30LX realistic'),
     'furnished room, tilting URG-04LX, 1 %': (lambda rng: furnished(URG, rng), urg, 400, 'URG-04LX'),
+    'ramps and doors ajar, tilting UTM-30LX, 10 mm': (lambda rng: ramps(UTM, rng), white(0.01, 0.001), 400, 'UTM-30LX x1'),
+    'ramps and doors ajar, tilting URG-04LX, 1 %': (lambda rng: ramps(URG, rng), urg, 400, 'URG-04LX'),
     'furnished room, tilting UTM-30LX, 10 and 30 mm': (lambda rng: furnished(UTM, rng), dark(3.0, white(0.01)), 400,
                                                        'UTM-30LX x1'),
     'furnished room, tilting URG-04LX, 1 and 2.5 %': (lambda rng: furnished(URG, rng), dark(2.5, urg), 400, 'URG-04LX'),
