@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One frame of each kind, for tools that count instructions by function: test/benchmark/test_instructions.py runs this under
 // callgrind. Argument: points of the image.
+#include "patch_plane_clustering/core/segmentation_memory.h"
 #include "patch_plane_clustering/core/segmenter.h"
 
 #include "floor.h"

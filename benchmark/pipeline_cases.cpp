@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "patch_plane_clustering/core/segmentation_memory.h"
 #include "patch_plane_clustering/core/segmenter.h"
 #include "patch_plane_clustering/core/stage_timer.h"
 

@@ -98,7 +98,7 @@ void checkSegmentation(const BeamGrid& grid, const Segmentation& result, const C
     const PlanarRegion& region = result.regions[i];
     require(region.id == static_cast<std::int32_t>(i) + 1, "ids are not 1..N");
     require(region.points == points[i + 1], at("points are counted wrong", region.id));
-    require(region.points >= smallestRegion(config, grid.size()), at("smaller than min_size", region.id));
+    require(region.points >= smallestRegion(config, grid.size(), 0.0), at("smaller than min_size", region.id));
     require(i == 0 || region.points <= result.regions[i - 1].points, "ids are not in descending size");
     checkRegion(region);
   }

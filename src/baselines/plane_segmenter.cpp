@@ -2,6 +2,7 @@
 #include "patch_plane_clustering/baselines/plane_segmenter.h"
 
 #include "methods.h"
+#include "patch_plane_clustering/core/segmentation_memory.h"
 #include "patch_plane_clustering/core/segmenter.h"
 
 #include <sstream>

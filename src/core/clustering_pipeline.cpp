@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/clustering_pipeline.h"
 
+#include "patch_plane_clustering/core/judged_image.h"
 #include "patch_plane_clustering/core/parallel.h"
 #include "patch_plane_clustering/core/range_limit.h"
 #include "patch_plane_clustering/core/run_listing.h"
 
 #include <algorithm>
+#include <vector>
 
 namespace ppc {
 namespace {
@@ -18,18 +20,6 @@ PatchComparison comparisonOf(const Config& config) { return {config.running_plan
 // The same angle across the lines of the middle of an image, where they lie apart.
 int gapRows(const PatchGrid& patches) {
   return kGapCols * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols);
-}
-
-// At the ranges of planar patches, their mean [m].
-double typicalNoise(const PatchGrid& patches, const NoiseModel& noise) {
-  double sum = 0.0;
-  int count = 0;
-  for (const Patch& patch : patches.patches) {
-    if (!patch.planar) continue;
-    sum += noise.sigma(patch.range);
-    ++count;
-  }
-  return sum / std::max(1, count);
 }
 
 }  // namespace
@@ -45,9 +35,8 @@ ClusteringPipeline::ClusteringPipeline(const BeamGrid& grid, double line_error_l
       errors_(patchesWithErrors(line_error_left)),
       noise_(errors_.noise),
       tolerance_(errors_.tolerance),
-      smallest_(config.noise_aware ? smallestRegion(config, grid.size(), typicalNoise(memory.patches, errors_.noise))
-                                   : smallestRegion(config, grid.size())) {
-  memory.smallest = smallest_;
+      smallest_(smallestRegion(config, grid.size(), errors_.typical)) {
+  memory.typical_noise = errors_.typical;
 }
 
 ImageErrors ClusteringPipeline::patchesWithErrors(double line_error_left) {

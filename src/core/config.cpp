@@ -128,10 +128,10 @@ int smallestRegion(const Config& config, int pixels) {
 }
 
 int smallestRegion(const Config& config, int pixels, double noise) {
-  constexpr double kCoarse = 0.005, kLeastShare = 1.0 / 3.0;
+  constexpr double kFewerBelow = 0.005, kLeastShare = 1.0 / 3.0;
   const int of_any_noise = smallestRegion(config, pixels);
   if (config.min_size > 0) return of_any_noise;
-  return std::max(kLeastSize, static_cast<int>(std::clamp(noise / kCoarse, kLeastShare, 1.0) * of_any_noise));
+  return std::max(kLeastSize, static_cast<int>(std::clamp(noise / kFewerBelow, kLeastShare, 1.0) * of_any_noise));
 }
 
 const std::vector<ConfigField>& configFields() {

@@ -4,11 +4,13 @@
 #include "patch_plane_clustering/core/clustering.h"
 #include "patch_plane_clustering/core/noise_correlation.h"
 #include "patch_plane_clustering/core/parallel.h"
+#include "patch_plane_clustering/core/patch_sample.h"
 #include "patch_plane_clustering/core/range_limit.h"
 #include "patch_plane_clustering/core/surface_noise.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace ppc {
 namespace {
@@ -32,6 +34,22 @@ bool estimateCorrelation(const Config& config, ClusteringMemory& memory, ImageEr
   return true;
 }
 
+// At the ranges of planar patches, the mean over a sample of them [m].
+double typicalNoise(const PatchGrid& patches, const NoiseModel& noise) {
+  constexpr int kSamples = 1000;
+  double sum = 0.0;
+  int count = 0;
+  for (int part = 0; part < kSampleParts; ++part) {
+    forEachSample(static_cast<int>(patches.patches.size()), kSamples, part, [&](int k) {
+      const Patch& patch = patches.patches[k];
+      if (!patch.planar) return;
+      sum += noise.sigma(patch.range);
+      ++count;
+    });
+  }
+  return count > 0 ? sum / count : std::numeric_limits<double>::infinity();
+}
+
 }  // namespace
 
 ImageErrors estimateErrors(const BeamGrid& grid, double line_error_left, const Config& config, ClusteringMemory& memory) {
@@ -53,6 +71,7 @@ ImageErrors estimateErrors(const BeamGrid& grid, double line_error_left, const C
   if (estimateCorrelation(config, memory, errors)) gate();
   if (config.avoid_range_limit) errors.range_limit = findRangeLimit(patches, errors.noise);
   markTruncated(grid, errors.range_limit, errors.noise, patches);
+  errors.typical = typicalNoise(patches, errors.noise);
   return errors;
 }
 

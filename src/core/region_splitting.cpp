@@ -27,12 +27,12 @@ constexpr double kDivisionLeft = 0.3;  // beyond noise, over what a division exp
 constexpr double kStepLeft = 0.6;      // likewise, if there is a step for certain
 constexpr double kStepHeight = 0.6;    // of a step from cell to cell, in the tolerance: those at an edge have part in both
 // What tells a crease for certain: largest cosine between the planes, gain over that of a quadratic surface, over what noise
-// may leave, and what may be left beyond noise, over that gain: points of what is beside a label lie along its border. A
-// coarse sensor shows long bows of less than a fine one's noise, so that more is asked of it.
+// may leave, and what may be left if it is more than that, over the gain: points of what is beside a label lie along its
+// border. In much noise, bows that are not quadratic pass for creases if less is asked.
 struct CreaseLimits {
   double cosine, gain, left;
 };
-constexpr CreaseLimits kFineCrease{0.9976, 4.0, 0.15}, kCoarseCrease{0.9992, 10.0, 0.05};
+constexpr CreaseLimits kCrease{0.9992, 10.0, 0.05}, kFineCrease{0.9976, 4.0, 0.15};  // in general, also of a fine sensor
 constexpr double kSignificance = 30.0;  // of a cut, over one plane and one quadratic surface: far beyond chi-square
 constexpr double kNoiseError = 0.1;     // of its variance
 constexpr double kMostLeft = 3.0;       // beyond noise, over what two planes explain, where there may be a third one
@@ -241,13 +241,15 @@ class LabelSplitter {
   }
 
   // Whether there is a crease for certain: one quadratic surface leaves far more beyond two planes than noise may, and these
-  // leave no more than noise, or a small part of that.
+  // leave no more than noise may, or a small part of that.
   bool isCrease(const LabelSplit& split, const SurfaceDivision& division, double bow) const {
-    const bool fine = tolerance_.isFine(noise_.sigma((split.low.sum + split.high.sum).mean().norm()));
-    const CreaseLimits& limits = fine ? kFineCrease : kCoarseCrease;
-    const double noise = split.noise(tolerance_), over_bow = division.gain - bow;
-    return split.low.fit.normal().dot(split.high.fit.normal()) < limits.cosine && over_bow > limits.gain * noise &&
-           split.leftOver() < std::max(noise, limits.left * over_bow);
+    const double cosine = split.low.fit.normal().dot(split.high.fit.normal());
+    const double noise = split.noise(tolerance_), over_bow = division.gain - bow, left = split.leftOver();
+    const auto meets = [&](const CreaseLimits& limits) {
+      return cosine < limits.cosine && over_bow > limits.gain * noise && left < std::max(noise, limits.left * over_bow);
+    };
+    return meets(kCrease) ||
+           (meets(kFineCrease) && tolerance_.isFine(noise_.sigma((split.low.sum + split.high.sum).mean().norm())));
   }
 
   // Whether the border of a division is a step that a fine sensor tells from waves: cells on both sides of it differ

@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/clustering_pipeline.h"
 #include "patch_plane_clustering/core/parallel.h"
+#include "patch_plane_clustering/core/segmentation_memory.h"
 #include "patch_plane_clustering/core/stage_timer.h"
 
 namespace ppc {
@@ -43,7 +44,7 @@ Segmentation segment(const BeamGrid& grid, const Config& config) {
 void segment(const BeamGrid& grid, const Config& config, ClusteringMemory& memory, Segmentation& result) {
   result.stages.clear();
   clusterPatches(grid, config, memory, result.labels, &result.stages);
-  finishSegmentation(grid, memory.smallest, config, memory.finishing, result);
+  finishSegmentation(grid, smallestRegion(config, grid.size(), memory.typical_noise), config, memory.finishing, result);
 }
 
 void finishSegmentation(const BeamGrid& grid, int smallest, const Config& config, FinishingMemory& memory,

@@ -42,7 +42,7 @@ struct Misfit {
 
   bool isSmooth(double ratio, double misfit) const { return quadratic < ratio * plane && quadratic < misfit * allowed; }
 
-  // Whether two planes serve far better than one surface, however little that leaves of tolerances: narrow faces at a
+  // Whether two planes serve so much better than one surface, however little that leaves of tolerances: narrow faces at a
   // crease.
   bool isCreased(double inflation) const {
     return quadratic > (fine ? kFineCreaseRatio : kCreaseRatio) * (own + kBendSignificance * inflation);

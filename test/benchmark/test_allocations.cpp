@@ -2,6 +2,7 @@
 // Memory is kept from one image to the next: a frame after the first asks nothing of the system, by one thread.
 #include "patch_plane_clustering/core/polygon_memory.h"
 #include "patch_plane_clustering/core/region_polygons.h"
+#include "patch_plane_clustering/core/segmentation_memory.h"
 #include "patch_plane_clustering/core/segmenter.h"
 
 #include "../core/analytic_scenes.h"

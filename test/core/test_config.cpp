@@ -37,7 +37,7 @@ TEST(Config, SmallestRegionFollowsTheImageUnlessItIsGiven) {
   EXPECT_EQ(smallestRegion(config, 300 * 361), 196);
   EXPECT_EQ(smallestRegion(config, 90 * 361), 60);
   EXPECT_EQ(smallestRegion(config, 300 * 1081, 0.01), 350);
-  EXPECT_EQ(smallestRegion(config, 300 * 1081, 0.0025), 175);  // where the noise is known
+  EXPECT_EQ(smallestRegion(config, 300 * 1081, 0.0025), 175);
   EXPECT_EQ(smallestRegion(config, 300 * 1081, 0.0001), 116);
   EXPECT_EQ(smallestRegion(config, 90 * 361, 0.0001), 60);
   config.min_size = 40;

@@ -139,8 +139,8 @@ TEST(SplitLabels, TellsCreasesOfLargeLabelsFromBows) {
   const double angle = 0.1;  // on both sides
   const std::vector<Surface> crease = {wall({-1.0, angle, 0.0}, -3.0), wall({-1.0, -angle, 0.0}, -3.0)};
   const auto wide = [](const std::vector<Surface>& surfaces) { return Scene(surfaces, 0.00125, 0.004); };
-  Scene creased = wide(crease), bowed = wide({column(7.6, 0.0, 4.6)}),
-        correlated = wide(crease);  // by as much from end to end
+  Scene creased = wide(crease), correlated = wide(crease);
+  Scene bowed = wide({column(7.6, 0.0, 4.6)});  // by as much from end to end
   EXPECT_GT(creased.cells.patches.size(), 1900U);
   EXPECT_FALSE(bowed.split());
   EXPECT_FALSE(correlated.split(2.0));
@@ -151,6 +151,22 @@ TEST(SplitLabels, TellsCreasesOfLargeLabelsFromBows) {
   const std::int32_t label = creased.labels.labels.front();
   EXPECT_GT(creased.common(left, label), 0.98 * countOf(creased.truth, left));
   EXPECT_LT(creased.common(right, label), 0.02 * countOf(creased.truth, right));
+}
+
+TEST(SplitLabels, LeavesLargeLabelsWholeWhereCreasesAreNotBeyondDoubt) {
+  const auto crease = [](double angle) {
+    return std::vector<Surface>{wall({-1.0, angle, 0.0}, -3.0), wall({-1.0, -angle, 0.0}, -3.0)};
+  };
+  const auto splits = [](const std::vector<Surface>& surfaces, double sigma, double step = 0.00125) {
+    return Scene(surfaces, step, sigma).split();
+  };
+  EXPECT_TRUE(splits(crease(0.03), 0.0026, 0.0006));  // 3.4 degrees
+  EXPECT_TRUE(splits(crease(0.03), 0.0024, 0.0006));  // nor does less noise hide it
+  EXPECT_FALSE(splits(crease(0.015), 0.0026));
+  EXPECT_FALSE(splits(crease(0.1), 0.02));  // noise leaves too much open
+  // Bows that are not quadratic: of a wall that is flat at one end, and of one that bulges.
+  EXPECT_FALSE(splits({relief([](double y) { return 3.0 - 0.1 * std::pow(std::max(0.0, y), 2); })}, 0.004));
+  EXPECT_FALSE(splits({relief([](double y) { return 3.0 - 0.015 * std::sin(5.0 * y); })}, 0.004));
 }
 
 // Two faces that meet at 14 degrees as one label of many cells, which has some points of what is beside it.
@@ -210,7 +226,11 @@ TEST(SplitLabels, SplitsLargeLabelsAtLowSteps) {
   ASSERT_EQ(step.count(), 2);
   EXPECT_GT(step.common(2, 1), 0.9 * countOf(step.truth, 2));
   EXPECT_GT(step.common(1, 2), 0.9 * countOf(step.truth, 1));
-  EXPECT_TRUE(Scene({turned(0.3), kRest}, 0.0025).split());
+  Scene creased({turned(0.3), kRest}, 0.0025);
+  EXPECT_TRUE(creased.split());
+  ASSERT_EQ(creased.count(), 2);
+  EXPECT_GT(creased.common(2, 1), 0.95 * countOf(creased.truth, 2));
+  EXPECT_GT(creased.common(1, 2), 0.9 * countOf(creased.truth, 1));
   EXPECT_FALSE(Scene({column(3.0, 0.0, 0.3)}, 0.0025).split());
   EXPECT_FALSE(Scene({kWall}, 0.0025).split());
   EXPECT_FALSE(Scene({surfaceOf({{-Eigen::Vector3d::UnitX(), -2.98}, kLeft}), kRest}, 0.0025).split(4.0));

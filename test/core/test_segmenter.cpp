@@ -5,6 +5,7 @@
 #include "analytic_scenes.h"
 #include "patch_plane_clustering/core/connected_pieces.h"
 #include "patch_plane_clustering/core/region_statistics.h"
+#include "patch_plane_clustering/core/segmentation_memory.h"
 
 #include <gtest/gtest.h>
 #include <algorithm>

@@ -4,19 +4,19 @@
 #include "patch_plane_clustering/core/beam_grid.h"
 #include "patch_plane_clustering/core/config.h"
 #include "patch_plane_clustering/core/image_errors.h"
-#include "patch_plane_clustering/core/judged_image.h"
+#include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/segmentation_memory.h"
+#include "patch_plane_clustering/core/similarity.h"
 #include "patch_plane_clustering/core/stage_timer.h"
 
 #include <cstdint>
-#include <vector>
 
 namespace ppc {
 
 /// @brief The stages from a grid of beams to the labels of its planar regions, in order: patches, errors, clusters,
-/// refinement, second pass, pieces, and what is done to regions once their pieces are known. Lines are where they were: what
-/// they are off by is removed before.
+/// refinement, second pass, pieces, and what is done to regions once their pieces are known. Expects lines without errors of
+/// their own, see removeLineErrors().
 ///
 /// Labels go through three hands. Those of clusters and of their merge are numbers of planes (`memory.planes`), shared out
 /// over the cells of the patch grid (`memory.shares`). takePieces() makes one label of each connected piece, and of what is
@@ -27,6 +27,7 @@ class ClusteringPipeline {
   /// @param line_error_left standard deviation of what lines are still off [m]. @param labels overwritten by run().
   ClusteringPipeline(const BeamGrid& grid, double line_error_left, const Config& config, StageTimer& timer,
                      ClusteringMemory& memory, LabelImage& labels);
+  ClusteringPipeline(const ClusteringPipeline&) = delete;
 
   /// To be called once.
   void run();
@@ -47,7 +48,7 @@ class ClusteringPipeline {
   StageTimer& timer_;
   ClusteringMemory& memory_;
   LabelImage& labels_;
-  const bool settle_;  ///< whether borders are
+  const bool settle_;  ///< whether borders are settled
   const ImageErrors errors_;
   const NoiseModel& noise_;
   const CoplanarityTolerance& tolerance_;

@@ -46,8 +46,8 @@ struct Config {
 /// @brief Points that a region must have at least: config.min_size (but no less than 3) or, if that is 0, one for every 550
 /// pixels of the image, 60 to 350. A fixed number would leave out of a coarse scan what a person calls a wall.
 int smallestRegion(const Config& config, int pixels);
-/// @brief The same where the noise of the ranges is known to be so much [m]: below 5 mm, fewer points make a region, in
-/// proportion, down to a third and 60, as they tell a plane as well.
+/// @brief The same for ranges with so much noise on average [m]: below 5 mm, fewer points make a region, in proportion, down
+/// to a third and 60, as they tell a plane as well. For PPC if Config::noise_aware; other methods do not know the noise.
 int smallestRegion(const Config& config, int pixels, double noise);
 
 /// @brief One tunable field: its public name, meaning, unit and allowed range. Booleans and integers are carried as doubles.

@@ -7,6 +7,7 @@
 #include "patch_plane_clustering/core/segmentation_memory.h"
 #include "patch_plane_clustering/core/similarity.h"
 
+#include <limits>
 #include <optional>
 
 namespace ppc {
@@ -16,6 +17,8 @@ struct ImageErrors {
   NoiseModel noise;
   CoplanarityTolerance tolerance;
   std::optional<double> range_limit;  ///< where the sensor's range ends, see findRangeLimit() [m]
+  /// Noise at the ranges of planar patches, their mean [m]; infinite if noise is not to be heeded.
+  double typical = std::numeric_limits<double>::infinity();
 };
 
 /// @brief Takes them from an image's patches, so far as the configuration wants them estimated. Weighs and gates the patches

@@ -35,7 +35,8 @@ struct ExtensionMemory {
 /// like them are reached as long as they are within three standard deviations of its plane, along beams, of noise and
 /// tolerance. They become part of it if there are at least 16 whose distances scatter no more than noise and have none for
 /// mean: those of a surface that crosses the plane, or leaves it, scatter evenly or lie on one side. Larger regions come
-/// first. Deterministic; thread-safe with memory of one's own.
+/// first; those of fewer points than JudgedImage::smallest are not extended. Deterministic; thread-safe with memory of one's
+/// own.
 /// @param planes a (see moments.h) of every label. @param runs of the labels, see listRuns().
 /// @return whether any region was extended, so that the runs are no longer those of the labels.
 bool extendRegions(const JudgedImage& image, const std::vector<Eigen::Vector3d>& planes, ExtensionMemory& memory,

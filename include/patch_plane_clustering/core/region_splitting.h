@@ -59,16 +59,16 @@ struct LabelSplitMemory {
 /// counted in misfits of whole cells, not of points, unless points within cells show that more than a tenth of the noise's
 /// variance is wrong: of many points, a small error of the noise leaves more than any third plane. Sides are split again.
 /// Labels of more than 300 cells are split only where errors are not correlated and misfits over whole cells tell of a
-/// second plane, and only into parallel sides, as walls bow: by divisions, or by a straight cut that explains 1.4 times as
-/// much as a quadratic surface, if chi-square is 3 % above what noise leaves.
+/// second plane, and, but for creases beyond doubt, only into parallel sides, as walls bow: by divisions, or by a straight
+/// cut that explains 1.4 times as much as a quadratic surface, if chi-square is 3 % above what noise leaves.
 ///
 /// Some divisions of labels of any size are beyond doubt, and taken also where the misfit is within the tolerance. At a
-/// crease, as between a floor and a ramp that was merged with it, one quadratic surface leaves far more beyond two planes
-/// than noise may, and these leave next to nothing: from 2.3 degrees on, ten times as much and .05 of that; for a sensor so
-/// fine that the tolerance shrinks with its noise (CoplanarityTolerance::forNoise()), from 4 degrees on, four times and .15.
-/// To such a sensor, there is a low step of parallel sides if cells on both sides of the border already differ by 0.6 of the
-/// tolerance, which most waves and bows do not, though as much as 0.6 of what the division explains may be left for a third
-/// level.
+/// crease of 2.3 degrees and more, as between a floor and a ramp that was merged with it, one quadratic surface leaves ten
+/// times as much beyond two planes as noise may, and these leave no more than noise may, or .05 of that if it is more; for a
+/// sensor so fine that the tolerance shrinks with its noise (CoplanarityTolerance::forNoise()), four times as much and .15
+/// do from 4 degrees on. To such a sensor, there is a low step of parallel sides if cells on both sides of the border
+/// already differ by 0.6 of the tolerance, which most waves and bows do not, though as much as 0.6 of what the division
+/// explains may be left for a third level.
 /// @param cells with weighed moments. @param smallest points of a label; a side has a quarter at least.
 /// @param shares of `labels`. Both are brought up to date: new labels follow the last of shares.sums.
 /// @return whether any was split.

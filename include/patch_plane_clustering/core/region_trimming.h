@@ -41,7 +41,8 @@ struct TrimmingMemory {
 /// surface, as similarity() has it), and from such regions no more than three pixels are taken in depth; if not, it has no
 /// label any more: a few leaves of a plant, a corner of three faces.
 /// For errors that are not correlated (CoplanarityTolerance::isWhite()): others exceed chi-square on planes, too. Regions
-/// of more than SmallRegions::kMostPoints are left as they are. Deterministic; thread-safe with memory of one's own.
+/// of fewer measured points than JudgedImage::smallest, and of more than SmallRegions::kMostPoints, are left as they are.
+/// Deterministic; thread-safe with memory of one's own.
 /// @param labels of valid and invalid pixels; those that are taken off become 0.
 void trimRegions(const JudgedImage& image, TrimmingMemory& memory, LabelImage& labels, int threads = 1);
 

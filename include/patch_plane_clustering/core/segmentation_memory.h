@@ -43,7 +43,8 @@ struct FinishingMemory {
 };
 
 /// @brief Working memory of clusterPatches() and segment(). Given to one image after the other, it spares them asking the
-/// system for anything, so far as they are of one size and kind; it carries nothing else from one to the next.
+/// system for anything, so far as they are of one size and kind; it carries nothing else from one to the next. The noise of
+/// the last image is for segment(), which drops small regions.
 struct ClusteringMemory {
   StrayMemory strays;
   StandingLineMemory standing;
@@ -56,7 +57,7 @@ struct ClusteringMemory {
   AngularSteps steps;
   PatchGridMemory patch_grids;
   PatchGrid patches, small_patches;
-  int smallest = 0;  ///< points that a region of the image has at least
+  double typical_noise = 0.0;  ///< see ImageErrors [m]
   PatchClusters clusters;
   GrowthMemory growth;
   CellShares shares;

@@ -4,11 +4,13 @@
 #include "patch_plane_clustering/core/beam_grid.h"
 #include "patch_plane_clustering/core/config.h"
 #include "patch_plane_clustering/core/segmentation.h"
-#include "patch_plane_clustering/core/segmentation_memory.h"
 
 #include <vector>
 
 namespace ppc {
+
+struct ClusteringMemory;  // see segmentation_memory.h
+struct FinishingMemory;
 
 /// @brief Patch-based Plane Clustering: labels of the planar regions of a grid of beams (PPC's own stages, up to the label
 /// image). Deterministic: same grid and config, same labels.

@@ -14,8 +14,8 @@ struct BentRegion {
 };
 
 /// @brief Whether two touching regions are strips of one curved surface, a fan: well turned against each other, or each bent
-/// by about as much as they are; one quadratic surface serves both, and two planes do not far better (to a fine sensor,
-/// better), as at a crease.
+/// by about as much as they are; one quadratic surface serves both, and two planes do not four times as well, as at a
+/// crease (to a sensor so fine that the tolerance shrinks with its noise, 1.5 times).
 /// @param max_turn from which on a region is curved [rad], see planarNames().
 bool isFan(const BentRegion& a, const BentRegion& b, const CoplanarityTolerance& tolerance, double max_turn);
 
