@@ -6,7 +6,8 @@ Boxes, balls and columns, cast by a few lines of numpy that share nothing with t
 its own scenes alone would show here. Sensors: the tilting lasers that the package is made for (also in rooms of thin faces and
 of shallow creases, with errors of all kinds, with lines lost, and with surfaces of more noise than others), small time-of-flight
 cameras, structured light at a desk, range cameras, laser scanners of one millimetre, a spinning laser of 32 rings. Each image is
-an organised cloud as `ppc segment` reads it. All parameters are the defaults, but where scripts/baselines.yaml has better ones of other methods for the sensor.
+an organised cloud as `ppc segment` reads it. All parameters are the defaults, but where scripts/baselines.yaml has better ones of
+other methods for the sensor.
 Needs the built package (scripts/build) and what scripts/setup --lint installs.
 """
 import argparse

@@ -33,8 +33,6 @@ ClusteringPipeline::ClusteringPipeline(const BeamGrid& grid, double line_error_l
       labels_(labels),
       settle_(config.refine && config.settle_borders),
       errors_(patchesWithErrors(line_error_left)),
-      noise_(errors_.noise),
-      tolerance_(errors_.tolerance),
       smallest_(smallestRegion(config, grid.size(), errors_.typical)) {
   memory.typical_noise = errors_.typical;
 }
@@ -75,13 +73,13 @@ void ClusteringPipeline::run() {
 void ClusteringPipeline::growAndMerge() {
   const PatchGrid& patches = memory_.patches;
   CellShares& shares = memory_.shares;
-  growClusters(patches, noise_, tolerance_, config_.similarity_threshold, comparisonOf(config_), memory_.growth,
-               memory_.clusters, config_.threads);
+  growClusters(patches, errors_.noise, errors_.tolerance, config_.similarity_threshold, comparisonOf(config_),
+               memory_.growth, memory_.clusters, config_.threads);
   shareClusters(memory_.clusters, shares);
   timer_.lap("clustering");
   if (config_.merge) {
-    mergeShares(patches, noise_, tolerance_, config_.similarity_threshold, memory_.merging, shares, memory_.planes,
-                config_.threads);
+    mergeShares(patches, errors_.noise, errors_.tolerance, config_.similarity_threshold, memory_.merging, shares,
+                memory_.planes, config_.threads);
     timer_.lap("merging");
   } else {
     labelPlanes(shares, memory_.planes);
@@ -90,18 +88,18 @@ void ClusteringPipeline::growAndMerge() {
 }
 
 void ClusteringPipeline::refine(std::int32_t first_open) {
-  refineLabels(grid_, memory_.patches, memory_.shares, memory_.planes, noise_, tolerance_, first_open, memory_.refinement,
-               labels_, memory_.changed, config_.threads);
+  refineLabels(grid_, memory_.patches, memory_.shares, memory_.planes, errors_.noise, errors_.tolerance, first_open,
+               memory_.refinement, labels_, memory_.changed, config_.threads);
 }
 
 void ClusteringPipeline::updateChangedShares() {
-  updateShares(grid_, memory_.patches, noise_, labels_, memory_.changed, memory_.shares, memory_.share_updates,
+  updateShares(grid_, memory_.patches, errors_.noise, labels_, memory_.changed, memory_.shares, memory_.share_updates,
                config_.threads);
 }
 
 bool ClusteringPipeline::split() {
-  return splitLabels(grid_, memory_.patches, noise_, tolerance_, smallest_, memory_.splits, memory_.shares, labels_,
-                     config_.threads);
+  return splitLabels(grid_, memory_.patches, errors_.noise, errors_.tolerance, smallest_, memory_.splits, memory_.shares,
+                     labels_, config_.threads);
 }
 
 // Regions too thin for any patch to fit inside: smaller patches of what the first pass left over, with labels from `first`
@@ -110,11 +108,11 @@ void ClusteringPipeline::addSmallRegions(std::int32_t first) {
   PatchGrid& patches = memory_.small_patches;
   makePatchGrid(grid_, std::max(2, (config_.patch_size + 2) / 2), memory_.steps, &labels_, config_.threads,
                 memory_.patch_grids, patches);
-  weighAndGatePatches(noise_, tolerance_, patches, config_.threads);
-  markTruncated(grid_, errors_.range_limit, noise_, patches);
+  weighAndGatePatches(errors_.noise, errors_.tolerance, patches, config_.threads);
+  markTruncated(grid_, errors_.range_limit, errors_.noise, patches);
   const PatchClusters& clusters = memory_.clusters;
-  growClusters(patches, noise_, tolerance_, config_.similarity_threshold, comparisonOf(config_), memory_.growth,
-               memory_.clusters, config_.threads);
+  growClusters(patches, errors_.noise, errors_.tolerance, config_.similarity_threshold, comparisonOf(config_),
+               memory_.growth, memory_.clusters, config_.threads);
   const int fewest_points = std::min(kFewestPoints, smallest_ / 4);
   std::int32_t next = first;
   for (const Cluster& cluster : clusters.clusters) {
@@ -149,11 +147,11 @@ bool ClusteringPipeline::secondPass() {
     labelPlanes(shares, memory_.planes);
     return false;
   }
-  mergeLabels(memory_.patches, noise_, tolerance_, config_.similarity_threshold, memory_.merging, shares, labels_,
-              memory_.pieces.runs, memory_.planes, config_.threads);
+  mergeLabels(memory_.patches, errors_.noise, errors_.tolerance, config_.similarity_threshold, memory_.merging, shares,
+              labels_, memory_.pieces.runs, memory_.planes, config_.threads);
   // Merging tolerates more than splitting does; in white noise, what it has joined is known well enough to be judged. A
   // side that is too small for a region leaves a better one behind.
-  if (!split_regions || !tolerance_.isWhite() || !split()) return true;
+  if (!split_regions || !errors_.tolerance.isWhite() || !split()) return true;
   labelPlanes(shares, memory_.planes);
   return false;
 }
@@ -168,8 +166,8 @@ void ClusteringPipeline::takePieces(bool runs_known) {
     prepareCurvature(grid_, pieces.runs, memory_.curvature);
   });
   if (settle_) {
-    contestLabels(grid_, memory_.patches, memory_.shares, memory_.planes, noise_, tolerance_, borders.contest, labels_,
-                  config_.threads);
+    contestLabels(grid_, memory_.patches, memory_.shares, memory_.planes, errors_.noise, errors_.tolerance, borders.contest,
+                  labels_, config_.threads);
     timer_.lap("contest");
   }
   split_runs.wait();
@@ -177,7 +175,7 @@ void ClusteringPipeline::takePieces(bool runs_known) {
   Beside list(config_.threads, [&] {
     if (settle_) listRuns(labels_, borders.contested);
   });
-  planarNames(grid_, noise_, tolerance_, config_.max_turn, memory_.curvature, pieces.names, config_.threads);
+  planarNames(grid_, errors_.noise, errors_.tolerance, config_.max_turn, memory_.curvature, pieces.names, config_.threads);
   timer_.lap("curvature");
   list.wait();
   if (!settle_) {
@@ -186,7 +184,7 @@ void ClusteringPipeline::takePieces(bool runs_known) {
     return;
   }
   if (config_.merge && config_.noise_aware) {
-    reuniteLabels(grid_.rows, grid_.cols, memory_.shares, noise_, tolerance_, memory_.merging.meetings.groups,
+    reuniteLabels(grid_.rows, grid_.cols, memory_.shares, errors_.noise, errors_.tolerance, memory_.merging.meetings.groups,
                   static_cast<std::int32_t>(memory_.merging.names.size()), memory_.reunion, pieces, borders.contested,
                   memory_.planes);
   }
@@ -196,7 +194,7 @@ void ClusteringPipeline::takePieces(bool runs_known) {
 }
 
 void ClusteringPipeline::finishRegions() {
-  const JudgedImage image{grid_, memory_.patches.center, noise_, tolerance_, smallest_};
+  const JudgedImage image{grid_, memory_.patches.center, errors_.noise, errors_.tolerance, smallest_};
   std::vector<LabelRun>& runs = memory_.borders.settled;  // of the labels, until creases are aligned
   const auto list_again = [&] { listRuns(labels_, memory_.borders.listing, runs, config_.threads); };
   const std::vector<std::int32_t>& whole = settle_ ? memory_.settled : memory_.pieces.whole;

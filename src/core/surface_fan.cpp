@@ -38,15 +38,8 @@ struct Misfit {
   double quadratic = 0.0;  // of one quadratic surface
   double own = 0.0;        // of their own planes
   double allowed = 0.0;    // what noise and tolerance are worth in all of the points
-  bool fine = false;       // whether the tolerance shrinks with the noise
 
   bool isSmooth(double ratio, double misfit) const { return quadratic < ratio * plane && quadratic < misfit * allowed; }
-
-  // Whether two planes serve so much better than one surface, however little that leaves of tolerances: narrow faces at a
-  // crease.
-  bool isCreased(double inflation) const {
-    return quadratic > (fine ? kFineCreaseRatio : kCreaseRatio) * (own + kBendSignificance * inflation);
-  }
 };
 
 class CommonSurface {
@@ -77,8 +70,14 @@ class CommonSurface {
     const QuadraticFit both = fitQuadratic(sums += sums_b);
     return {both.plane_chi2 - fit_a.plane_chi2 - fit_b.plane_chi2,
             both.quadratic_chi2 - fit_a.quadratic_chi2 - fit_b.quadratic_chi2,
-            fit_a.plane_chi2 + fit_b.plane_chi2 - fit_a.quadratic_chi2 - fit_b.quadratic_chi2, allowed(both.weight),
-            tolerance_.isFine(sigma())};
+            fit_a.plane_chi2 + fit_b.plane_chi2 - fit_a.quadratic_chi2 - fit_b.quadratic_chi2, allowed(both.weight)};
+  }
+
+  // Whether two planes serve so much better than this surface, however little that leaves of tolerances: narrow faces at a
+  // crease.
+  bool isCreased(const Misfit& misfit) const {
+    const double ratio = tolerance_.isFine(sigma()) ? kFineCreaseRatio : kCreaseRatio;
+    return misfit.quadratic > ratio * (misfit.own + kBendSignificance * tolerance_.inflation);
   }
 
  private:
@@ -121,7 +120,7 @@ bool isFan(const BentRegion& a, const BentRegion& b, const CoplanarityTolerance&
   const CommonSurface common(a, b, tolerance);
   if (common.isRuledOut(kFanMisfit)) return false;
   const Misfit misfit = common.fit();
-  return misfit.plane > kBendSignificance * tolerance.inflation && !misfit.isCreased(tolerance.inflation) &&
+  return misfit.plane > kBendSignificance * tolerance.inflation && !common.isCreased(misfit) &&
          misfit.isSmooth(angle < kWideFan ? kFanRatio : kWideFanRatio, kFanMisfit);
 }
 
@@ -132,7 +131,7 @@ bool isMoreOfFan(const BentRegion& strip, const BentRegion& beside, const Coplan
   if (common.isRuledOut(std::max(kFanMisfit, kLimbMisfit))) return false;
   const Misfit misfit = common.fit();
   if (misfit.plane < kBendSignificance * tolerance.inflation) return false;
-  if (angle < kWideFan && misfit.isSmooth(kFanRatio, kFanMisfit)) return !misfit.isCreased(tolerance.inflation);
+  if (angle < kWideFan && misfit.isSmooth(kFanRatio, kFanMisfit)) return !common.isCreased(misfit);
   return angle > kLimbAngle && strip.region.points < beside.region.points && misfit.isSmooth(kLimbRatio, kLimbMisfit);
 }
 

@@ -120,43 +120,41 @@ TEST(SplitLabels, TellsLowStepsOfAFineSensorFromWaves) {
   EXPECT_EQ(waves.count(), 1);
 }
 
+// Two faces that meet in the middle, each turned by about `angle`.
+std::vector<Surface> crease(double angle) { return {wall({-1.0, angle, 0.0}, -3.0), wall({-1.0, -angle, 0.0}, -3.0)}; }
+
+// Two labels, of which each face has one but for a share of its points.
+void expectSidesApart(const Scene& scene, double share) {
+  ASSERT_EQ(scene.count(), 2);
+  const std::int32_t left = scene.truth.labels.front(), right = scene.truth.labels.back();
+  ASSERT_NE(left, right);
+  const std::int32_t label = scene.labels.labels.front();
+  EXPECT_GT(scene.common(left, label), (1.0 - share) * countOf(scene.truth, left));
+  EXPECT_LT(scene.common(right, label), share * countOf(scene.truth, right));
+}
+
 TEST(SplitLabels, TellsLowCreasesOfAFineSensorFromBows) {
-  const std::vector<Surface> crease = {wall({-1.0, 0.05, 0.0}, -3.0), wall({-1.0, -0.05, 0.0}, -3.0)};  // 6 degrees
-  Scene coarse(crease, 0.0025), fine(crease, 0.0025, kFine), bow({column(11.0, 0.0, 8.0)}, 0.0025, kFine);
+  const std::vector<Surface> low = crease(0.05);  // 6 degrees
+  Scene coarse(low, 0.0025), fine(low, 0.0025, kFine), bow({column(11.0, 0.0, 8.0)}, 0.0025, kFine);
   EXPECT_FALSE(coarse.split());
   EXPECT_FALSE(bow.split());  // by 6 degrees, too
   EXPECT_TRUE(fine.split());
-  ASSERT_EQ(fine.count(), 2);
-  const std::int32_t left = fine.truth.labels.front(), right = fine.truth.labels.back();
-  ASSERT_NE(left, right);
-  const std::int32_t label = fine.labels.labels.front();
-  EXPECT_GT(fine.common(left, label), 0.95 * countOf(fine.truth, left));
-  EXPECT_LT(fine.common(right, label), 0.05 * countOf(fine.truth, right));
+  expectSidesApart(fine, 0.05);
 }
 
 // A ramp on a floor, say, which a merge has taken for one that sags.
 TEST(SplitLabels, TellsCreasesOfLargeLabelsFromBows) {
-  const double angle = 0.1;  // on both sides
-  const std::vector<Surface> crease = {wall({-1.0, angle, 0.0}, -3.0), wall({-1.0, -angle, 0.0}, -3.0)};
   const auto wide = [](const std::vector<Surface>& surfaces) { return Scene(surfaces, 0.00125, 0.004); };
-  Scene creased = wide(crease), correlated = wide(crease);
+  Scene creased = wide(crease(0.1)), correlated = wide(crease(0.1));
   Scene bowed = wide({column(7.6, 0.0, 4.6)});  // by as much from end to end
   EXPECT_GT(creased.cells.patches.size(), 1900U);
   EXPECT_FALSE(bowed.split());
   EXPECT_FALSE(correlated.split(2.0));
   EXPECT_TRUE(creased.split());
-  ASSERT_EQ(creased.count(), 2);
-  const std::int32_t left = creased.truth.labels.front(), right = creased.truth.labels.back();
-  ASSERT_NE(left, right);
-  const std::int32_t label = creased.labels.labels.front();
-  EXPECT_GT(creased.common(left, label), 0.98 * countOf(creased.truth, left));
-  EXPECT_LT(creased.common(right, label), 0.02 * countOf(creased.truth, right));
+  expectSidesApart(creased, 0.02);
 }
 
 TEST(SplitLabels, LeavesLargeLabelsWholeWhereCreasesAreNotBeyondDoubt) {
-  const auto crease = [](double angle) {
-    return std::vector<Surface>{wall({-1.0, angle, 0.0}, -3.0), wall({-1.0, -angle, 0.0}, -3.0)};
-  };
   const auto splits = [](const std::vector<Surface>& surfaces, double sigma, double step = 0.00125) {
     return Scene(surfaces, step, sigma).split();
   };
@@ -171,7 +169,7 @@ TEST(SplitLabels, LeavesLargeLabelsWholeWhereCreasesAreNotBeyondDoubt) {
 
 // Two faces that meet at 14 degrees as one label of many cells, which has some points of what is beside it.
 TEST(SplitLabels, TellsACreaseAlthoughTheLabelHasPointsOfAThirdFace) {
-  Scene scene({wall({-1.0, 0.12, 0.0}, -3.0), wall({-1.0, -0.12, 0.0}, -3.0)}, 0.0025, kFine);
+  Scene scene(crease(0.12), 0.0025, kFine);
   EXPECT_GT(scene.cells.patches.size(), 400U);
   for (int col = 0; col < 12; ++col) scene.grid.range[scene.grid.index(0, col)] += 0.03F;
   scene.sumCells();

@@ -4,10 +4,8 @@
 #include "patch_plane_clustering/core/beam_grid.h"
 #include "patch_plane_clustering/core/config.h"
 #include "patch_plane_clustering/core/image_errors.h"
-#include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/segmentation_memory.h"
-#include "patch_plane_clustering/core/similarity.h"
 #include "patch_plane_clustering/core/stage_timer.h"
 
 #include <cstdint>
@@ -27,7 +25,6 @@ class ClusteringPipeline {
   /// @param line_error_left standard deviation of what lines are still off [m]. @param labels overwritten by run().
   ClusteringPipeline(const BeamGrid& grid, double line_error_left, const Config& config, StageTimer& timer,
                      ClusteringMemory& memory, LabelImage& labels);
-  ClusteringPipeline(const ClusteringPipeline&) = delete;
 
   /// To be called once.
   void run();
@@ -50,8 +47,6 @@ class ClusteringPipeline {
   LabelImage& labels_;
   const bool settle_;  ///< whether borders are settled
   const ImageErrors errors_;
-  const NoiseModel& noise_;
-  const CoplanarityTolerance& tolerance_;
   const int smallest_;  ///< points of a region
 };
 
