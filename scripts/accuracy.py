@@ -40,6 +40,7 @@ ABLATIONS = {
     'noise estimate: the data sheet at x1': ['--set', 'noise_scale=1'],
     'strays': ['--set', 'clear_strays=false'],
     'standing lines': ['--set', 'thin_standing_lines=false'],
+    'smooth noise': ['--set', 'thin_smooth_noise=false'],
     'noise of surfaces': ['--set', 'noise_by_surface=false'],
     'the limit of the range': ['--set', 'avoid_range_limit=false'],
     'merging': ['--set', 'merge=false'],

@@ -42,6 +42,8 @@ std::vector<ConfigField> makeFields() {
       PPC_FIELD(
           "thin_standing_lines", Type::kBool, 0, 1, thin_standing_lines,
           "leave out lines of a cloud that are measured while the scanner waits, label them by those that stand for them"),
+      PPC_FIELD("thin_smooth_noise", Type::kBool, 0, 1, thin_smooth_noise,
+                "leave out rows and columns if errors of ranges are alike over many pixels, as those of stereo cameras are"),
       PPC_FIELD(
           "noise_by_surface", Type::kBool, 0, 1, noise_by_surface,
           "find surfaces with more noise than is typical at their range, as dark ones have; if the noise is estimated"),

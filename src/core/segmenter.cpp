@@ -25,13 +25,19 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
       config.noise_aware ? estimateLineErrors(points, memory.lines, config.threads) : LineErrors();
   if (!line_errors.empty()) removeLineErrors(line_errors, points, memory.corrected);
   const BeamGrid& lines = line_errors.empty() ? points : memory.corrected;
-  if (!config.thin_standing_lines || !config.noise_aware || lines.beams_exact ||
-      !thinStandingLines(lines, memory.standing)) {
-    ClusteringPipeline(lines, line_errors.range_left, config, timer, memory, labels).run();
-    return;
+  const auto label = [&](const BeamGrid& grid, LabelImage& found) {
+    ClusteringPipeline(grid, line_errors.range_left, config, timer, memory, found).run();
+  };
+  if (config.thin_standing_lines && config.noise_aware && !lines.beams_exact && thinStandingLines(lines, memory.standing)) {
+    label(memory.standing.grid, memory.standing.labels);
+    labelStandingLines(lines, memory.standing, labels);
+  } else if (config.thin_smooth_noise && config.noise_aware &&
+             thinSmoothNoise(lines, config.sigma_distance, memory.smooth)) {
+    label(memory.smooth.grid, memory.smooth.labels);
+    labelThinned(lines, memory.patches.center, memory.smooth, labels);
+  } else {
+    label(lines, labels);
   }
-  ClusteringPipeline(memory.standing.grid, line_errors.range_left, config, timer, memory, memory.standing.labels).run();
-  labelStandingLines(lines, memory.standing, labels);
 }
 
 Segmentation segment(const BeamGrid& grid, const Config& config) {

@@ -2,12 +2,14 @@
 #include "patch_plane_clustering/core/standing_lines.h"
 
 #include "patch_plane_clustering/core/grid_lines.h"
+#include "patch_plane_clustering/core/grid_selection.h"
 #include "patch_plane_clustering/core/quantile.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 
 namespace ppc {
 namespace {
@@ -62,24 +64,11 @@ bool findStanding(const GridLines& lines, StandingLineMemory& memory) {
 }
 
 // The image of those lines.
-void takeKept(const BeamGrid& grid, StandingLineMemory& memory) {
-  BeamGrid& out = memory.grid;
-  const auto moving = static_cast<int>(memory.kept.size());
-  out.rows = memory.in_columns ? grid.rows : moving;
-  out.cols = memory.in_columns ? moving : grid.cols;
-  out.beams_exact = grid.beams_exact;
-  const GridLines from(grid, memory.in_columns), to(out, memory.in_columns);
-  for (const auto numbers : {&BeamGrid::range, &BeamGrid::dir_x, &BeamGrid::dir_y, &BeamGrid::dir_z, &BeamGrid::origin_x,
-                             &BeamGrid::origin_y, &BeamGrid::origin_z}) {
-    const std::vector<float>& all = grid.*numbers;
-    (out.*numbers).resize(all.empty() ? 0 : static_cast<std::size_t>(out.size()));
-    if (all.empty()) continue;
-    for (int line = 0; line < moving; ++line) {
-      for (int beam = 0; beam < to.beams(); ++beam) {
-        (out.*numbers)[to.pixel(line, beam)] = all[from.pixel(memory.kept[line], beam)];
-      }
-    }
-  }
+void takeKept(const GridLines& lines, StandingLineMemory& memory) {
+  memory.beams.resize(static_cast<std::size_t>(lines.beams()));
+  std::iota(memory.beams.begin(), memory.beams.end(), 0);
+  const bool columns = memory.in_columns;
+  selectBeams(lines.grid(), columns ? memory.beams : memory.kept, columns ? memory.kept : memory.beams, memory.grid);
 }
 
 // Takes their labels from the pixels of a line that was left out where it has measured something else than the line that
@@ -112,9 +101,10 @@ void clearOthers(const GridLines& lines, int line, const GridLines& kept, int of
 
 bool thinStandingLines(const BeamGrid& grid, StandingLineMemory& memory) {
   for (const bool in_columns : {false, true}) {
-    if (!findStanding(GridLines(grid, in_columns), memory)) continue;
+    const GridLines lines(grid, in_columns);
+    if (!findStanding(lines, memory)) continue;
     memory.in_columns = in_columns;
-    takeKept(grid, memory);
+    takeKept(lines, memory);
     return true;
   }
   return false;

@@ -22,6 +22,7 @@ struct Config {
   bool noise_aware = true;            ///< add the noise to both sigmas; false: Gaussians of the sigmas alone
   bool clear_strays = true;           ///< leave out points nowhere near their neighbours, if more than 1.5 % are
   bool thin_standing_lines = true;    ///< leave out lines of a cloud that are measured while the scanner waits
+  bool thin_smooth_noise = true;      ///< leave out rows and columns if errors are alike over many pixels
   bool noise_by_surface = true;       ///< find surfaces with more noise than is typical; only if the noise is estimated
   bool avoid_range_limit = true;      ///< begin no region where the sensor's range ends, and what is measured stands off
   bool merge = true;                  ///< merge clusters that one plane explains

@@ -23,6 +23,7 @@
 #include "patch_plane_clustering/core/region_statistics.h"
 #include "patch_plane_clustering/core/region_trimming.h"
 #include "patch_plane_clustering/core/small_planes.h"
+#include "patch_plane_clustering/core/smooth_noise.h"
 #include "patch_plane_clustering/core/standing_lines.h"
 #include "patch_plane_clustering/core/strays.h"
 #include "patch_plane_clustering/core/surface_noise.h"
@@ -48,6 +49,7 @@ struct FinishingMemory {
 struct ClusteringMemory {
   StrayMemory strays;
   StandingLineMemory standing;
+  SmoothNoiseMemory smooth;
   LineErrorMemory lines;
   BeamGrid corrected;  ///< the image without errors of whole lines
   NoiseMemory noise;

@@ -21,6 +21,7 @@ struct StandingLineMemory {
   std::vector<double> steps;    ///< of every line from the one before, negative if not known [rad]
   std::vector<double> known;    ///< those that are
   std::vector<int> kept;        ///< lines of `grid`: their numbers in the image
+  std::vector<int> beams;       ///< the numbers of all beams of a line
   std::vector<int> stands_for;  ///< for every line of the image: the line of `grid` that is, or stands for, it
   bool in_columns = false;      ///< whether the lines are columns
   std::vector<Difference> differences;

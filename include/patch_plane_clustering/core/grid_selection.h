@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "patch_plane_clustering/core/beam_grid.h"
+
+#include <vector>
+
+namespace ppc {
+
+/// @brief The image of some rows and columns of an image, in the order given. @param rows, cols numbers within the image.
+/// @param out overwritten; not `grid` itself.
+void selectBeams(const BeamGrid& grid, const std::vector<int>& rows, const std::vector<int>& cols, BeamGrid& out);
+
+}  // namespace ppc
