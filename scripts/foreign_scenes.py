@@ -222,12 +222,13 @@ def structured_light(scene, rng):
 
 
 def stereo(scene, rng):
-    """Disparities of a stereo camera (5 cm apart, 425 pixels of focal length) off by 0.06 pixels, alike over a window of some ten
-    pixels, in steps of 1/32: 26 mm at 3 m; no grazing return."""
-    disparity = 425 * 0.05 / (scene.ranges * scene.beams[..., 2])
+    """Disparities of a stereo camera off by 0.06 pixels, alike over a window of some ten pixels, in steps of 1/32: ranges by 26 mm
+    at 3 m; no grazing return."""
+    product = 425 * 0.05  # focal length [pixels] by the distance of the cameras [m]
+    disparity = product / (scene.ranges * scene.beams[..., 2])
     smooth = cv2.GaussianBlur(rng.normal(size=disparity.shape), (0, 0), 3)
     disparity = numpy.round(32 * (disparity + 0.06 * smooth / smooth.std())) / 32
-    ranges = 425 * 0.05 / disparity / scene.beams[..., 2]
+    ranges = product / disparity / scene.beams[..., 2]
     return numpy.where((scene.cosines < 0.14) | (ranges > 10), numpy.nan, ranges)
 
 
@@ -286,11 +287,11 @@ SENSORS = {
     'structured light at a desk, 1.2 mm': (lambda rng: desk(pinhole(512, 512, 38), rng), white(0.0012, 0.0005), 400, None),
     'range camera, 0.5 mm': (lambda rng: room(pinhole(480, 640, 57), rng), white(0.0005), 400, None),
     'range camera, structured light': (lambda rng: room(pinhole(480, 640, 57), rng), structured_light, 400, None),
-    'furnished room, stereo camera': (lambda rng: furnished(pinhole(480, 848, 90), rng), stereo, 400, None),
     'laser scanner, 1 mm': (lambda rng: room(spherical(300, 720, 180, 110), rng, 14), white(0.001, 0.001), 400, None),
     'spinning laser, 32 rings, 20 mm': (lambda rng: room(spherical(32, 1440, 360, 40), rng, 8), white(0.02), 100, None),
     'ramps and doors ajar, tilting UTM-30LX, 10 mm': (lambda rng: ramps(UTM, rng), white(0.01, 0.001), 400, 'UTM-30LX x1'),
     'ramps and doors ajar, tilting URG-04LX, 1 %': (lambda rng: ramps(URG, rng), urg, 400, 'URG-04LX'),
+    'furnished room, stereo camera': (lambda rng: furnished(pinhole(480, 848, 90), rng), stereo, 400, None),
 }
 
 

@@ -97,9 +97,9 @@ void ClusteringPipeline::updateChangedShares() {
                config_.threads);
 }
 
-bool ClusteringPipeline::split() {
-  return splitLabels(grid_, memory_.patches, errors_.noise, errors_.tolerance, smallest_, memory_.splits, memory_.shares,
-                     labels_, config_.threads);
+bool ClusteringPipeline::split(bool merged) {
+  return splitLabels(grid_, memory_.patches, errors_.noise, errors_.tolerance, smallest_, merged, memory_.splits,
+                     memory_.shares, labels_, config_.threads);
 }
 
 // Regions too thin for any patch to fit inside: smaller patches of what the first pass left over, with labels from `first`
@@ -139,7 +139,7 @@ bool ClusteringPipeline::secondPass() {
   addSmallRegions(first_new);
   updateChangedShares();
   const bool split_regions = config_.split_regions && config_.noise_aware;
-  if (split_regions) split();
+  if (split_regions) split(false);
   labelPlanes(shares, memory_.planes);
   refine(first_new);
   updateChangedShares();
@@ -149,9 +149,10 @@ bool ClusteringPipeline::secondPass() {
   }
   mergeLabels(memory_.patches, errors_.noise, errors_.tolerance, config_.similarity_threshold, memory_.merging, shares,
               labels_, memory_.pieces.runs, memory_.planes, config_.threads);
-  // Merging tolerates more than splitting does; in white noise, what it has joined is known well enough to be judged. A
-  // side that is too small for a region leaves a better one behind.
-  if (!split_regions || !errors_.tolerance.isWhite() || !split()) return true;
+  // Merging tolerates more than splitting does; in white noise, what it has joined is known well enough to be judged, and in
+  // smooth noise what it has joined beyond doubt. A side that is too small for a region leaves a better one behind.
+  const bool may_split = errors_.tolerance.isWhite() || errors_.tolerance.isSmooth();
+  if (!split_regions || !may_split || !split(true)) return true;
   labelPlanes(shares, memory_.planes);
   return false;
 }

@@ -121,7 +121,7 @@ void planarNames(const BeamGrid& grid, const NoiseModel& noise, const Coplanarit
   curved.assign(regions.size(), 0);
   weak.assign(regions.size(), 0);
   // Else an excess tells less than it seems to; in smooth noise, which makes bumps, little.
-  const bool white = tolerance.isWhite(), bumpy = tolerance.inflation_growth > 0.0;
+  const bool white = tolerance.isWhite(), bumpy = tolerance.isSmooth();
   for (std::size_t label = 1; label < regions.size(); ++label) {
     const Bend& bend = bends[label];
     const double excess = bend.excess / (kBendSignificance * tolerance.inflation);

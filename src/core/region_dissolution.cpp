@@ -340,8 +340,7 @@ class Dissolver {
 
 void dissolveRegions(const JudgedImage& image, const std::vector<Eigen::Vector3d>& planes, DissolutionMemory& memory,
                      LabelImage& labels, std::vector<LabelRun>& runs, int threads) {
-  Dissolver(image, BeamPlanes(image, planes), memory, labels, runs, threads)
-      .dissolveAll(image.tolerance.inflation_growth > 0.0);
+  Dissolver(image, BeamPlanes(image, planes), memory, labels, runs, threads).dissolveAll(image.tolerance.isSmooth());
 }
 
 }  // namespace ppc

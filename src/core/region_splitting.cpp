@@ -37,6 +37,11 @@ constexpr double kSignificance = 30.0;  // of a cut, over one plane and one quad
 constexpr double kNoiseError = 0.1;     // of its variance
 constexpr double kMostLeft = 3.0;       // beyond noise, over what two planes explain, where there may be a third one
 constexpr double kMinSide = 0.25;       // points of a side over those of a region, as in the second pass
+// Of divisions where noise is smooth: share of chi-square that the best straight cut must explain for one to be looked for,
+// chi-square of a point of the smaller side that they must explain beyond a quadratic surface, over what is left of one, and
+// that of one on the other side's plane, unless both are turned by as much; what is left may be more than on the other side,
+// where there are three planes.
+constexpr double kSmoothCut = 0.03, kSmoothGain = 1.0, kSmoothStep = 10.0, kSmoothCosine = 0.99, kSmoothLeft = 4.0;
 
 using Place = LabelSplitMemory::Place;
 using Part = LabelSplitMemory::Part;
@@ -46,13 +51,14 @@ using Surface = std::vector<SurfaceCell>;
 class LabelSplitter {
  public:
   LabelSplitter(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise, const CoplanarityTolerance& tolerance,
-                int smallest, LabelSplitMemory& memory, CellShares& shares, LabelImage& labels)
+                int smallest, bool merged, LabelSplitMemory& memory, CellShares& shares, LabelImage& labels)
       : grid_(grid),
         cells_(cells),
         noise_(noise),
         tolerance_(tolerance),
         smallest_(smallest),
         smallest_side_(kMinSide * smallest),
+        merged_smooth_(merged && tolerance.isSmooth()),
         shares_(shares),
         labels_(labels),
         count_(memory.count),
@@ -95,8 +101,9 @@ class LabelSplitter {
     begin_.assign(1, 0);
     for (std::size_t label = 0; label < count_.size(); ++label) {
       const Moments& sum = shares_.sums[label];
+      const bool any_size = tolerance_.isWhite() || merged_smooth_;
       const bool may_split =
-          count_[label] >= kFewestCells && sum.n >= smallest_ && (count_[label] <= kManyCells || tolerance_.isWhite());
+          count_[label] >= kFewestCells && sum.n >= smallest_ && (any_size || count_[label] <= kManyCells);
       begin_.push_back(begin_.back() + (may_split ? count_[label] : 0));
     }
     next_ = begin_;
@@ -166,26 +173,54 @@ class LabelSplitter {
     const Moments& all = shares_.sums[part.label];
     if (all.n < smallest_) return false;
     const PlaneFit fit = fitPlane(all);
+    if (merged_smooth_) return findSmoothSplit(part, all, fit, work, split);
     const bool is_misfit =
         tolerance_.isWhite() && misfitOf(part, [&](int) -> const Eigen::Vector3d& { return fit.a; }) > noiseOf(part);
     if (large && !is_misfit) return false;
-    const float aspect = aspectOf(part);
-    const SurfaceFrame frame(all, fit);
-    Surface& surface = work.surface;
-    surface.clear();
-    for (int i = part.begin; i < part.end; ++i) {
-      surface.push_back({xOf(places_[i]), yOf(places_[i], aspect), frame.measure(momentsOf(places_[i]))});
-    }
+    measureSurface(part, all, fit, 1.0, work);
+    const Surface& surface = work.surface;
     const double bow = bowGain(surface);
     const SurfaceCut cut = findCut(surface, bow, large);
     const bool may_cut = cut.gain >= significance() && (!large || fit.chi2 > kLargeMisfit * all.n);
-    const bool may_divide = is_misfit && fit.chi2 >= kLeastMisfit * all.n && isDivided(part, cut, work);
+    const bool may_divide = is_misfit && fit.chi2 >= kLeastMisfit * all.n && isDivided(part, cut, significance(), work);
     if (!may_cut && !may_divide) return false;
     const bool is_cut = may_cut && isSplitByCut(part, cut, bow, fit, surface, work.cut);
     const bool is_divided = may_divide && isSplitByDivision(part, work, bow, fit, split);
     const double least = large ? cut.gain : kDivisionGain * cut.gain;
     if (is_cut && !(is_divided && work.division.score() > least)) split = work.cut;
     return is_cut || is_divided;
+  }
+
+  // Places of cells and what they are off the plane of a part. @param weight over that of the noise.
+  void measureSurface(const Part& part, const Moments& all, const PlaneFit& fit, double weight, Work& work) const {
+    const float aspect = aspectOf(part);
+    const SurfaceFrame frame(all, fit);
+    work.surface.clear();
+    for (int i = part.begin; i < part.end; ++i) {
+      Moments cell = momentsOf(places_[i]);
+      if (weight != 1.0) cell.scale(weight);
+      work.surface.push_back({xOf(places_[i]), yOf(places_[i], aspect), frame.measure(cell)});
+    }
+  }
+
+  // Where noise is smooth, cells are divided as if it were as much larger as it is for the smallest side: else borders would
+  // follow its bumps.
+  bool findSmoothSplit(const Part& part, const Moments& all, const PlaneFit& fit, Work& work, LabelSplit& split) const {
+    const double inflation = tolerance_.inflationOf(smallest_side_);
+    measureSurface(part, all, fit, 1.0 / inflation, work);
+    const SurfaceCut cut = bestCut(work.surface, smallest_side_);
+    if (cut.gain * inflation < kSmoothCut * fit.chi2 || !isDivided(part, cut, kSignificance, work)) return false;
+    split.beyond = work.division.beyond;
+    if (!fitSides(part, split)) return false;
+    const bool low_is_small = split.low.sum.n < split.high.sum.n;
+    const LabelSplit::Side &small = low_is_small ? split.low : split.high, &large = low_is_small ? split.high : split.low;
+    const double n = small.sum.n, left = small.fit.chi2 / n, left_of_large = large.fit.chi2 / large.sum.n;
+    const double gain = inflation * (work.division.score() - bowGain(work.surface));
+    const bool is_turned = small.fit.normal().dot(large.fit.normal()) < kSmoothCosine;
+    return gain >= kSignificance * tolerance_.inflationOf(n) && gain > kSmoothGain * small.fit.chi2 &&
+           left < kSmoothLeft * std::max(1.0, left_of_large) &&
+           (is_turned || chiSquare(small.sum, large.fit.a) > kSmoothStep * small.fit.chi2) &&
+           split.isBeyond(tolerance_, noise_, fit);
   }
 
   // Straight in the image or, if there is none that will do, on the plane, where it must explain more, as a curved surface
@@ -217,11 +252,11 @@ class LabelSplitter {
   }
 
   // Whether two planes explain a part far better, with a border that does not wind through noise.
-  bool isDivided(const Part& part, const SurfaceCut& cut, Work& work) const {
+  bool isDivided(const Part& part, const SurfaceCut& cut, double least, Work& work) const {
     linkCells(part, work);
     SurfaceDivision& division = work.division;
     divideSurface(work.surface, work.links, cut, smallest_side_, work.dividing, division);
-    if (division.beyond.empty() || !(division.score() >= significance())) return false;
+    if (division.beyond.empty() || !(division.score() >= least)) return false;
     const auto count = static_cast<std::ptrdiff_t>(division.beyond.size());
     const std::ptrdiff_t beyond = std::count(division.beyond.begin(), division.beyond.end(), 1);
     return division.border <= kWinding * std::sqrt(static_cast<double>(std::min(beyond, count - beyond)));
@@ -337,6 +372,7 @@ class LabelSplitter {
   const CoplanarityTolerance& tolerance_;
   int smallest_;
   double smallest_side_;
+  bool merged_smooth_;
   CellShares& shares_;
   LabelImage& labels_;
   std::vector<int>&count_, &begin_, &next_;
@@ -351,10 +387,10 @@ class LabelSplitter {
 }  // namespace
 
 bool splitLabels(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise,
-                 const CoplanarityTolerance& tolerance, int smallest, LabelSplitMemory& memory, CellShares& shares,
-                 LabelImage& labels, int threads) {
+                 const CoplanarityTolerance& tolerance, int smallest, bool merged, LabelSplitMemory& memory,
+                 CellShares& shares, LabelImage& labels, int threads) {
   const std::size_t before = shares.sums.size();
-  LabelSplitter(grid, cells, noise, tolerance, smallest, memory, shares, labels).splitAll(threads);
+  LabelSplitter(grid, cells, noise, tolerance, smallest, merged, memory, shares, labels).splitAll(threads);
   return shares.sums.size() > before;
 }
 

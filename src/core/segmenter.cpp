@@ -6,6 +6,8 @@
 #include "patch_plane_clustering/core/segmentation_memory.h"
 #include "patch_plane_clustering/core/stage_timer.h"
 
+#include <algorithm>
+
 namespace ppc {
 
 LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vector<StageTime>* stages) {
@@ -25,18 +27,23 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
       config.noise_aware ? estimateLineErrors(points, memory.lines, config.threads) : LineErrors();
   if (!line_errors.empty()) removeLineErrors(line_errors, points, memory.corrected);
   const BeamGrid& lines = line_errors.empty() ? points : memory.corrected;
-  const auto label = [&](const BeamGrid& grid, LabelImage& found) {
-    ClusteringPipeline(grid, line_errors.range_left, config, timer, memory, found).run();
-  };
-  if (config.thin_standing_lines && config.noise_aware && !lines.beams_exact && thinStandingLines(lines, memory.standing)) {
-    label(memory.standing.grid, memory.standing.labels);
-    labelStandingLines(lines, memory.standing, labels);
-  } else if (config.thin_smooth_noise && config.noise_aware &&
-             thinSmoothNoise(lines, config.sigma_distance, memory.smooth)) {
-    label(memory.smooth.grid, memory.smooth.labels);
-    labelThinned(lines, memory.patches.center, memory.smooth, labels);
+  const bool stood =
+      config.thin_standing_lines && config.noise_aware && !lines.beams_exact && thinStandingLines(lines, memory.standing);
+  const BeamGrid& moving = stood ? memory.standing.grid : lines;
+  LabelImage& moving_labels = stood ? memory.standing.labels : labels;
+  if (config.thin_smooth_noise && config.noise_aware && thinSmoothNoise(moving, config.sigma_distance, memory.smooth)) {
+    SmoothNoiseMemory& smooth = memory.smooth;
+    Config thinned = config;
+    if (config.min_size > 0) thinned.min_size = std::max(1, config.min_size / (smooth.stride * smooth.stride));
+    ClusteringPipeline(smooth.grid, line_errors.range_left, thinned, timer, memory, smooth.labels).run();
+    labelThinned(moving, memory.patches.center, smooth, moving_labels, config.threads);
+    timer.lap("thinning");
   } else {
-    label(lines, labels);
+    ClusteringPipeline(moving, line_errors.range_left, config, timer, memory, moving_labels).run();
+  }
+  if (stood) {
+    labelStandingLines(lines, memory.standing, labels);
+    timer.lap("standing lines");
   }
 }
 

@@ -2,9 +2,11 @@
 #include "patch_plane_clustering/core/smooth_noise.h"
 
 #include "patch_plane_clustering/core/grid_selection.h"
+#include "patch_plane_clustering/core/parallel.h"
 #include "patch_plane_clustering/core/quantile.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -15,181 +17,219 @@ namespace {
 
 constexpr int kSide = 4;                             // points of a side of what planes are fitted to
 constexpr int kFar = 4, kNextToLast = 6, kLast = 8;  // pixels between them
-constexpr int kBetween[] = {2, 3, kFar, kNextToLast};
-constexpr int kPlaces = 16;           // along rows and columns, where residuals are compared
-constexpr std::size_t kFewest = 64;   // of those places at which planes could be fitted
-constexpr double kSmooth = 1.4;       // growth up to kFar, at nearly all places; of independent errors 0.7 to 1.0
-constexpr double kSaturated = 1.5;    // growth at kLast over that at kNextToLast; 1.8 if the surface itself bends
-constexpr double kHarmful = 2.5;      // growth at kLast beyond what is tolerated
-constexpr double kIndependent = 0.5;  // of that growth: points are far enough apart
-constexpr double kFarthest = 4.0;     // standard deviations that a point of a region may be off
+constexpr int kStrides[] = {2, 3, kFar, kNextToLast, kLast};
+constexpr int kPlaces = 16;            // along rows and columns, where residuals are compared
+constexpr std::size_t kFewest = 64;    // of those places at which planes could be fitted
+constexpr int kFewestLines = 40;       // rows and columns that must be left
+constexpr double kSmooth = 1.4;        // growth up to kFar, at nearly all places; of independent errors 0.7 to 1.0
+constexpr double kSmoothAlong = 1.2;   // where only rows, or only columns, are so far apart; of independent errors 0.9
+constexpr double kSaturated = 1.5;     // growth at kLast over that at kNextToLast; 1.8 if the surface itself bends
+constexpr double kHarmful = 2.5;       // growth at kLast beyond what is tolerated
+constexpr double kIndependent = 0.52;  // of that growth: points are far enough apart
+constexpr double kFarthest = 4.0;      // standard deviations that a point of a region may be off
+
+void addPoint(const BeamGrid& grid, int pixel, const Eigen::Vector3d& about, Moments& moments) {
+  const Eigen::Vector3d p = grid.point(pixel).cast<double>() - about;
+  const double range = grid.range[pixel];
+  moments.add(p.x(), p.y(), p.z(), range * range);  // so that chi-square is in squares of the range
+}
 
 // Root mean square of what the points around a pixel are off their plane, along the beams; none if one was not measured.
-std::optional<double> residual(const BeamGrid& grid, int row, int col, int stride) {
-  const int top = row - kSide / 2 * stride, left = col - kSide / 2 * stride;
-  if (top < 0 || left < 0 || top + (kSide - 1) * stride >= grid.rows || left + (kSide - 1) * stride >= grid.cols) return {};
-  const Eigen::Vector3f origin = grid.origin(grid.index(row, col));
+std::optional<double> residual(const BeamGrid& grid, int pixel, int row_stride, int col_stride) {
+  const int top = pixel / grid.cols - (kSide - 1) * row_stride / 2, left = pixel % grid.cols - (kSide - 1) * col_stride / 2;
+  const int bottom = top + (kSide - 1) * row_stride, right = left + (kSide - 1) * col_stride;
+  if (top < 0 || left < 0 || bottom >= grid.rows || right >= grid.cols) return {};
+  const Eigen::Vector3d about = grid.origin(pixel).cast<double>();
   Moments moments;
-  for (int r = 0; r < kSide; ++r) {
-    for (int c = 0; c < kSide; ++c) {
-      const int i = grid.index(top + r * stride, left + c * stride);
+  for (int row = top; row <= bottom; row += row_stride) {
+    for (int col = left; col <= right; col += col_stride) {
+      const int i = grid.index(row, col);
       if (!grid.valid(i)) return {};
-      const Eigen::Vector3d p = (grid.point(i) - origin).cast<double>();
-      const double range = grid.range[i];
-      moments.add(p.x(), p.y(), p.z(), range * range);
+      addPoint(grid, i, about, moments);
     }
   }
   return std::sqrt(fitPlane(moments).chi2 / (kSide * kSide - 3));
 }
 
-// How many times as large residuals are with points so many pixels apart as they are side by side.
+// Lists the places around which all points so many pixels apart were measured. @return whether there are enough.
+bool listPlaces(const BeamGrid& grid, int stride, std::vector<SmoothNoiseMemory::Place>& places) {
+  places.clear();
+  if (grid.size() == 0) return false;
+  for (int r = 0; r < kPlaces; ++r) {
+    for (int c = 0; c < kPlaces; ++c) {
+      const int row = (2 * r + 1) * grid.rows / (2 * kPlaces), col = (2 * c + 1) * grid.cols / (2 * kPlaces);
+      const int pixel = grid.index(row, col);
+      if (!residual(grid, pixel, stride, stride)) continue;
+      if (const std::optional<double> near = residual(grid, pixel, 1, 1)) places.push_back({pixel, *near});
+    }
+  }
+  return places.size() >= kFewest;
+}
+
+// How many times as large residuals are with rows and columns so many pixels apart as they are side by side.
 struct Growth {
-  double least;      // at all but one place of ten: planes break off at others, or bend, which makes it larger
-  double planar;     // where surfaces are planar, if most are not
-  double tolerated;  // of residuals to which the tolerance of planes is added, in the median
+  double least = 0.0;      // at all but one place of ten: planes break off at others, or bend, which makes it larger
+  double planar = 0.0;     // where surfaces are planar, if most are not
+  double tolerated = 0.0;  // of residuals to which the tolerance of planes is added, in the median
 };
 
-// All 0 if there are too few places.
-Growth growthAt(const BeamGrid& grid, int stride, double tolerance, SmoothNoiseMemory& memory) {
+Growth growthAt(const BeamGrid& grid, int row_stride, int col_stride, double tolerance, SmoothNoiseMemory& memory) {
   std::vector<double>&bare = memory.bare, &tolerated = memory.tolerated;
   bare.clear();
   tolerated.clear();
-  for (const SmoothNoiseMemory::Residual& near : memory.residuals) {
-    const std::optional<double> far = residual(grid, near.pixel / grid.cols, near.pixel % grid.cols, stride);
+  for (const SmoothNoiseMemory::Place& place : memory.places) {
+    const std::optional<double> far = residual(grid, place.pixel, row_stride, col_stride);
     if (!far) continue;
-    bare.push_back(*far / std::max(near.near, 1e-6));
-    tolerated.push_back(std::hypot(*far, tolerance) / std::hypot(near.near, tolerance));
+    bare.push_back(*far / std::max(place.residual, 1e-6));
+    tolerated.push_back(std::hypot(*far, tolerance) / std::max(std::hypot(place.residual, tolerance), 1e-6));
   }
   if (bare.size() < kFewest) return {};
   return {quantile(bare, 0.1), quantile(bare, 0.3), median(tolerated)};
 }
 
-// Pixels between points whose errors are independent; 1 where they are so side by side, or nearly, or nothing can be told.
+// Pixels between points whose errors are nearly independent; 1 where they are so side by side, where their smoothness does
+// no harm, and where nothing can be told.
 int independentStride(const BeamGrid& grid, double tolerance, SmoothNoiseMemory& memory) {
-  memory.residuals.clear();
-  for (int r = 0; r < kPlaces; ++r) {
-    for (int c = 0; c < kPlaces; ++c) {
-      const int row = (2 * r + 1) * grid.rows / (2 * kPlaces), col = (2 * c + 1) * grid.cols / (2 * kPlaces);
-      if (const std::optional<double> near = residual(grid, row, col, 1)) {
-        memory.residuals.push_back({grid.index(row, col), *near});
-      }
-    }
+  const auto growth = [&](int rows, int cols) { return growthAt(grid, rows, cols, tolerance, memory); };
+  if (!listPlaces(grid, kFar, memory.places) || growth(kFar, kFar).least < kSmooth) return 1;
+  if (std::min(growth(kFar, 1).planar, growth(1, kFar).planar) < kSmoothAlong) return 1;
+  if (!listPlaces(grid, kLast, memory.places)) return 1;
+  const Growth last = growth(kLast, kLast);
+  if (last.tolerated < kHarmful || last.planar > kSaturated * growth(kNextToLast, kNextToLast).planar) return 1;
+  int stride = kLast;
+  for (const int shorter : kStrides) {
+    if (growth(shorter, shorter).tolerated < kIndependent * last.tolerated) continue;
+    stride = shorter;
+    break;
   }
-  if (memory.residuals.size() < kFewest || growthAt(grid, kFar, tolerance, memory).least < kSmooth) return 1;
-  const Growth last = growthAt(grid, kLast, tolerance, memory);
-  if (last.tolerated < kHarmful) return 1;
-  if (last.planar > kSaturated * growthAt(grid, kNextToLast, tolerance, memory).planar) return 1;
-  for (const int stride : kBetween) {
-    if (growthAt(grid, stride, tolerance, memory).tolerated >= kIndependent * last.tolerated) return stride;
-  }
-  return kLast;
+  return std::min(grid.rows, grid.cols) < stride * kFewestLines ? 1 : stride;
 }
 
-// The middle ones of every `stride` lines of `count`, and where each line lies among them.
-void chooseLines(int count, int stride, std::vector<int>& kept, std::vector<SmoothNoiseMemory::Place>& places) {
+// The middle ones of every `stride` lines of `count`, and between which of them each line lies.
+void chooseLines(int count, int stride, std::vector<int>& kept, std::vector<SmoothNoiseMemory::Between>& between) {
   kept.clear();
   for (int line = stride / 2; line < count; line += stride) kept.push_back(line);
-  places.clear();
+  between.clear();
   const int last = static_cast<int>(kept.size()) - 1;
   for (int line = 0; line < count; ++line) {
     const int before = std::clamp((line - stride / 2) / stride, 0, last), after = std::min(before + 1, last);
     const float along = static_cast<float>(line - kept[before]) / static_cast<float>(stride);
-    places.push_back({before, after, std::clamp(along, 0.0F, 1.0F)});
+    between.push_back({before, after, std::clamp(along, 0.0F, 1.0F)});
   }
 }
 
 // Planes of the regions of the thinned image.
-void fitRegions(const Eigen::Vector3f& center, SmoothNoiseMemory& memory) {
+void fitRegions(const Eigen::Vector3d& center, SmoothNoiseMemory& memory) {
   const std::vector<std::int32_t>& labels = memory.labels.labels;
   const std::int32_t most = labels.empty() ? 0 : *std::max_element(labels.begin(), labels.end());
   memory.regions.assign(static_cast<std::size_t>(most) + 1, {});
   for (int i = 0; i < memory.grid.size(); ++i) {
-    if (labels[i] == 0 || !memory.grid.valid(i)) continue;
-    const Eigen::Vector3d p = (memory.grid.point(i) - center).cast<double>();
-    const double range = memory.grid.range[i];
-    memory.regions[labels[i]].moments.add(p.x(), p.y(), p.z(), range * range);
+    if (labels[i] != 0 && memory.grid.valid(i)) addPoint(memory.grid, i, center, memory.regions[labels[i]].moments);
   }
   for (SmoothNoiseMemory::ThinnedRegion& region : memory.regions) {
-    const PlaneFit fit = fitPlane(region.moments);
-    region.a = fit.a.cast<float>();
-    region.farthest = static_cast<float>(kFarthest * std::sqrt(fit.chi2 / std::max(1, region.moments.n - 3)));
+    const Moments& m = region.moments;
+    if (m.n == 0) continue;
+    const PlaneFit fit = fitPlane(m);
+    region.a = fit.a;
+    region.farthest = kFarthest * std::sqrt(fit.chi2 / std::max(1, m.n - 3));
+    region.range2 = m.w / m.n;
   }
 }
 
 // Finds labels of pixels among those of the kept ones around them.
 class ThinnedLabels {
  public:
-  ThinnedLabels(const BeamGrid& grid, const Eigen::Vector3f& center, const SmoothNoiseMemory& memory)
+  ThinnedLabels(const BeamGrid& grid, const Eigen::Vector3d& center, const SmoothNoiseMemory& memory)
       : grid_(grid), center_(center), memory_(memory) {}
 
   std::int32_t operator()(int row, int col) const {
     const int pixel = grid_.index(row, col);
     if (!grid_.valid(pixel)) return 0;
-    const SmoothNoiseMemory::Place &r = memory_.row_places[row], &c = memory_.col_places[col];
-    Vote votes[4];
-    const float along_row = c.along, along_col = r.along;
-    add(r.before, c.before, (1.0F - along_col) * (1.0F - along_row), votes);
-    add(r.before, c.after, (1.0F - along_col) * along_row, votes);
-    add(r.after, c.before, along_col * (1.0F - along_row), votes);
-    add(r.after, c.after, along_col * along_row, votes);
-    const Vote* best = nullptr;
-    for (const Vote& vote : votes) {
-      if (vote.weight < 0.0F || (best != nullptr && vote.weight <= best->weight)) continue;
-      if (vote.label == 0 || allows(memory_.regions[vote.label], pixel)) best = &vote;
+    const SmoothNoiseMemory::Between &r = memory_.row_between[row], &c = memory_.col_between[col];
+    const std::int32_t label = labelAt(r.before, c.before);
+    if (label == labelAt(r.before, c.after) && label == labelAt(r.after, c.before) && label == labelAt(r.after, c.after)) {
+      return label <= 0 || !allows(memory_.regions[label], pixel) ? 0 : label;
     }
-    return best == nullptr ? 0 : best->label;
+    return bestLabel(pixel, r, c);
   }
 
  private:
+  static constexpr std::int32_t kUnknown = -1;
   struct Vote {
     std::int32_t label = 0;
-    float weight = -1.0F;  // negative: none
+    float weight = 0.0F;
   };
 
-  void add(int row, int col, float weight, Vote (&votes)[4]) const {
+  // That of a kept pixel; kUnknown if it was not measured.
+  std::int32_t labelAt(int row, int col) const {
     const int kept = memory_.grid.index(row, col);
-    if (!memory_.grid.valid(kept)) return;
-    const std::int32_t label = memory_.labels.labels[kept];
+    return memory_.grid.valid(kept) ? memory_.labels.labels[kept] : kUnknown;
+  }
+
+  std::int32_t bestLabel(int pixel, const SmoothNoiseMemory::Between& r, const SmoothNoiseMemory::Between& c) const {
+    const float down = r.along, right = c.along;
+    std::array<Vote, 4> votes;
+    add(r.before, c.before, (1.0F - down) * (1.0F - right), votes);
+    add(r.before, c.after, (1.0F - down) * right, votes);
+    add(r.after, c.before, down * (1.0F - right), votes);
+    add(r.after, c.after, down * right, votes);
+    std::int32_t label = 0;
+    float most = 0.0F;
+    for (const Vote& vote : votes) {
+      if (vote.weight <= most || (vote.label != 0 && !allows(memory_.regions[vote.label], pixel))) continue;
+      label = vote.label;
+      most = vote.weight;
+    }
+    return label;
+  }
+
+  // A pixel that was not measured does not vote.
+  void add(int row, int col, float weight, std::array<Vote, 4>& votes) const {
+    const std::int32_t label = labelAt(row, col);
+    if (weight <= 0.0F || label == kUnknown) return;
     for (Vote& vote : votes) {
-      if (vote.weight >= 0.0F && vote.label != label) continue;
-      vote.weight = std::max(0.0F, vote.weight) + weight;
+      if (vote.weight > 0.0F && vote.label != label) continue;
       vote.label = label;
+      vote.weight += weight;
       return;
     }
   }
 
-  // Whether the point of a pixel may be one of the region.
+  // Whether the point of a pixel may be one of the region. Errors of stereo cameras grow with the square of the range.
   bool allows(const SmoothNoiseMemory::ThinnedRegion& region, int pixel) const {
-    const float slope = region.a.dot(grid_.direction(pixel));
-    return std::abs(1.0F - region.a.dot(grid_.point(pixel) - center_)) <= region.farthest * slope;
+    const double slope = region.a.dot(grid_.direction(pixel).cast<double>()), range = grid_.range[pixel];
+    const double off = std::abs(1.0 - region.a.dot(grid_.point(pixel).cast<double>() - center_));
+    return off <= region.farthest * slope * std::max(1.0, range * range / region.range2);
   }
 
   const BeamGrid& grid_;
-  const Eigen::Vector3f center_;
+  const Eigen::Vector3d center_;
   const SmoothNoiseMemory& memory_;
 };
 
 }  // namespace
 
 bool thinSmoothNoise(const BeamGrid& grid, double tolerance, SmoothNoiseMemory& memory) {
-  const int stride = independentStride(grid, tolerance, memory);
-  if (stride == 1) return false;
-  chooseLines(grid.rows, stride, memory.rows, memory.row_places);
-  chooseLines(grid.cols, stride, memory.cols, memory.col_places);
+  memory.stride = independentStride(grid, tolerance, memory);
+  if (memory.stride == 1) return false;
+  chooseLines(grid.rows, memory.stride, memory.rows, memory.row_between);
+  chooseLines(grid.cols, memory.stride, memory.cols, memory.col_between);
   selectBeams(grid, memory.rows, memory.cols, memory.grid);
   return true;
 }
 
-void labelThinned(const BeamGrid& grid, const Eigen::Vector3d& center, SmoothNoiseMemory& memory, LabelImage& labels) {
-  const Eigen::Vector3f about = center.cast<float>();
-  fitRegions(about, memory);
+void labelThinned(const BeamGrid& grid, const Eigen::Vector3d& center, SmoothNoiseMemory& memory, LabelImage& labels,
+                  int threads) {
+  fitRegions(center, memory);
   labels.rows = grid.rows;
   labels.cols = grid.cols;
   labels.labels.resize(static_cast<std::size_t>(grid.size()));
-  const ThinnedLabels label_of(grid, about, memory);
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int col = 0; col < grid.cols; ++col) labels.labels[grid.index(row, col)] = label_of(row, col);
-  }
+  const ThinnedLabels label_of(grid, center, memory);
+  forEachRange(threads, grid.rows, [&](int begin, int end) {
+    for (int row = begin; row < end; ++row) {
+      for (int col = 0; col < grid.cols; ++col) labels.labels[grid.index(row, col)] = label_of(row, col);
+    }
+  });
 }
 
 }  // namespace ppc

@@ -65,6 +65,16 @@ TEST_F(Allocations, FromRangesToPolygonsAreNoneAfterTheFirstFrame) {
   for (int k = 1; k < 4; ++k) EXPECT_EQ(allocationsOf(frame), 0) << "in frame " << k;
 }
 
+TEST_F(Allocations, OfSmoothNoiseAreNoneAfterTheFirstFrame) {
+  grid_ = forwardBeams(300, 400, 0.0025);
+  scan({wall({-1.0, 0.1, 0.0}, -3.0), wall({0.0, 0.0, 1.0}, -0.6)}, grid_);
+  addSmoothNoise(grid_, 0.03, 3.0);
+  const auto frame = [&] { segment(grid_, config_, memory_, result_); };
+  frame();
+  ASSERT_LT(memory_.smooth.grid.rows, grid_.rows);
+  for (int k = 1; k < 4; ++k) EXPECT_EQ(allocationsOf(frame), 0) << "in frame " << k;
+}
+
 // A cloud in which the motor waits, and half of what is seen is dark.
 TEST_F(Allocations, OfWaitingMotorsAndDarkSurfacesAreNoneAfterTheFirstFrame) {
   RangeImage image = image_;

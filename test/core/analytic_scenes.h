@@ -8,6 +8,7 @@
 #include "patch_plane_clustering/core/segmentation.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -146,6 +147,30 @@ inline void addNoise(BeamGrid& grid, double sigma, double relative = 0.0, double
       error = correlation * error + std::sqrt(1.0 - correlation * correlation) * normal();
     }
   }
+}
+
+/// Adds range noise that is alike over a Gaussian of `width` pixels, as that of stereo cameras is.
+inline void addSmoothNoise(BeamGrid& grid, double sigma, double width, std::uint64_t seed = 1) {
+  Normal normal(seed);
+  std::vector<double> errors(static_cast<std::size_t>(grid.size())), blurred(errors.size());
+  for (double& error : errors) error = normal();
+  const int reach = static_cast<int>(4.0 * width);
+  for (const auto& [down, right] : {std::pair(0, 1), std::pair(1, 0)}) {
+    for (int i = 0; i < grid.size(); ++i) {
+      double sum = 0.0;
+      for (int k = -reach; k <= reach; ++k) {
+        const int row = std::clamp(i / grid.cols + k * down, 0, grid.rows - 1);
+        const int col = std::clamp(i % grid.cols + k * right, 0, grid.cols - 1);
+        sum += std::exp(-0.5 * k * k / (width * width)) * errors[grid.index(row, col)];
+      }
+      blurred[i] = sum;
+    }
+    errors.swap(blurred);
+  }
+  double squares = 0.0;
+  for (const double error : errors) squares += error * error;
+  const double scale = sigma / std::sqrt(squares / static_cast<double>(errors.size()));
+  for (int i = 0; i < grid.size(); ++i) grid.range[i] += static_cast<float>(scale * errors[i]);
 }
 
 /// Number of pixels with a label.

@@ -43,9 +43,19 @@ struct Scene {
   }
 
   bool split(double inflation = 1.0, int smallest = 350, int threads = 1) {
-    const CoplanarityTolerance tolerance{0.005, 0.005, inflation};
+    return split({0.005, 0.005, inflation}, smallest, false, threads);
+  }
+
+  // As kinect-like noise is: alike over some pixels, of as much as the model says.
+  bool splitSmooth(bool merged) {
+    addSmoothNoise(grid, noise.sigma(3.0), 1.5);
+    sumCells();
+    return split({0.005, 0.005, 3.0, 0.5, 20.0}, 350, merged, 1);
+  }
+
+  bool split(const CoplanarityTolerance& tolerance, int smallest, bool merged, int threads) {
     LabelSplitMemory memory;
-    return splitLabels(grid, cells, noise, tolerance, smallest, memory, shares, labels, threads);
+    return splitLabels(grid, cells, noise, tolerance, smallest, merged, memory, shares, labels, threads);
   }
 
   int count() const { return static_cast<int>(shares.sums.size()) - 1; }
@@ -165,6 +175,24 @@ TEST(SplitLabels, LeavesLargeLabelsWholeWhereCreasesAreNotBeyondDoubt) {
   // Bows that are not quadratic: of a wall that is flat at one end, and of one that bulges.
   EXPECT_FALSE(splits({relief([](double y) { return 3.0 - 0.1 * std::pow(std::max(0.0, y), 2); })}, 0.004));
   EXPECT_FALSE(splits({relief([](double y) { return 3.0 - 0.015 * std::sin(5.0 * y); })}, 0.004));
+}
+
+TEST(SplitLabels, TellsWhatAMergeHasJoinedWhereNoiseIsSmooth) {
+  const auto wide = [](const std::vector<Surface>& surfaces) { return Scene(surfaces, 0.00125, 0.004, 0.0); };
+  const auto split = [&](const std::vector<Surface>& surfaces) { return wide(surfaces).splitSmooth(true); };
+  Scene creased = wide(crease(0.1)), before = wide(crease(0.1));
+  EXPECT_GT(creased.cells.patches.size(), 1900U);
+  EXPECT_FALSE(before.splitSmooth(false));
+  EXPECT_TRUE(creased.splitSmooth(true));
+  expectSidesApart(creased, 0.05);
+  const auto step = [](double depth) {
+    return std::vector<Surface>{surfaceOf({{-Eigen::Vector3d::UnitX(), -depth}, kLeft}), kRest};
+  };
+  EXPECT_TRUE(split(step(2.96)));
+  EXPECT_FALSE(split(step(2.99)));
+  EXPECT_FALSE(split({kWall}));
+  EXPECT_FALSE(split({column(7.6, 0.0, 4.6)}));  // bends by as much as the crease from end to end
+  EXPECT_FALSE(split({relief([](double y) { return 3.0 - 0.015 * std::sin(5.0 * y); })}));
 }
 
 // Two faces that meet at 14 degrees as one label of many cells, which has some points of what is beside it.

@@ -34,7 +34,7 @@ class ClusteringPipeline {
   void growAndMerge();
   void refine(std::int32_t first_open);
   void updateChangedShares();
-  bool split();
+  bool split(bool merged);
   void addSmallRegions(std::int32_t first);
   bool secondPass();
   void takePieces(bool runs_known);

@@ -29,6 +29,9 @@ struct CoplanarityTolerance {
     return inflation < kWhite && inflation_growth == 0.0;
   }
 
+  /// Whether errors are alike over more points than a patch has, so that bumps of noise look like surfaces.
+  bool isSmooth() const { return inflation_growth > 0.0; }
+
   /// Whether a sensor is so fine that its tolerance shrinks with its noise `sigma` [m].
   bool isFine(double sigma) const { return forNoise(sigma).sigma_distance < sigma_distance; }
 

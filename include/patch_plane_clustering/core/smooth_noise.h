@@ -10,49 +10,58 @@
 
 namespace ppc {
 
-/// @brief Working memory of thinSmoothNoise() and labelThinned(), which one image after the other may use.
+/// @brief Working memory of thinSmoothNoise() and labelThinned(), which one image after the other may use, and what the
+/// first tells the second.
 struct SmoothNoiseMemory {
-  /// Residuals of planes of a few points at one place: side by side, and so many pixels apart [m].
-  struct Residual {
-    int pixel;  ///< the place
-    double near;
-  };
-  /// The plane of a region of the thinned image.
-  struct ThinnedRegion {
-    Moments moments;  ///< of its points
-    Eigen::Vector3f a = Eigen::Vector3f::Zero();
-    float farthest = 0.0F;  ///< that a point may be off along its beam [m]
-  };
-  /// Where a row or column lies among those that were kept.
+  /// Where planes of 4 x 4 points are fitted.
   struct Place {
+    int pixel;        ///< in the middle
+    double residual;  ///< of the plane of points side by side [m]
+  };
+  /// Between which of the rows or columns that were kept one of the image lies.
+  struct Between {
     int before, after;  ///< numbers in the thinned image
     float along;        ///< 0..1 between the two
   };
+  /// A region of the thinned image.
+  struct ThinnedRegion {
+    Moments moments;
+    Eigen::Vector3d a = Eigen::Vector3d::Zero();  ///< its plane, see moments.h
+    double farthest = 0.0;                        ///< that a point may be off along its beam [m]
+    double range2 = 1.0;                          ///< mean square of the ranges [m^2]
+  };
 
-  std::vector<Residual> residuals;
+  std::vector<Place> places;
   std::vector<double> bare, tolerated;  ///< ratios of residuals
+  int stride = 1;                       ///< every so many rows and columns one is kept
   std::vector<int> rows, cols;          ///< of the image, that are kept
-  std::vector<Place> row_places, col_places;
+  std::vector<Between> row_between, col_between;
   BeamGrid grid;      ///< the thinned image
   LabelImage labels;  ///< of `grid`
   std::vector<ThinnedRegion> regions;
 };
 
 /// @brief Looks whether the errors of ranges are alike over so many pixels that patches take them for the surface, as those
-/// of stereo cameras are, which match windows of some ten pixels; then leaves out all but every s-th row and column.
+/// of stereo cameras are, which match windows of some ten pixels; then leaves out all but one of every 2, 3, 4, 6 or 8 rows
+/// and columns.
 ///
 /// Planes of 4 x 4 points leave the same residuals however far apart the points lie, if their errors are independent. Where
-/// errors are alike over s pixels, residuals grow with the distance of the points up to s and stay from there on; those of a
-/// curved surface would go on growing, by the square. Where what noise does is found over more pixels than a patch has, no
-/// statistics of patches helps: walls fall into their bumps. Points that are s pixels apart have independent errors, so an
-/// image of them is what the method is made for.
-/// @param tolerance of planes [m]: smooth errors that do not stand out from it do no harm, and a finer image tells more.
-/// @return whether any are left out; then memory.grid is the thinned image.
+/// errors are alike over s pixels, residuals grow with the distance of the points up to about s and stay from there on; of a
+/// surface that bends they would go on growing, by the square. Where what noise does is found over more pixels than a patch
+/// has, no statistics of patches helps: walls fall into their bumps. Points s pixels apart have nearly independent errors,
+/// so that an image of them is what the method is made for. Images that would keep less than 40 rows or columns stay as they
+/// are, and so do those whose errors are alike along rows only, or along columns only. A relief of bumps of up to some
+/// twenty pixels all over the image looks the same, and is taken for noise.
+/// @param tolerance of planes, above 0 [m]: smooth errors that do not stand out from it do no harm, and a finer image tells
+/// more.
+/// @return whether any are left out; then memory.grid is the thinned image, otherwise what it was.
 bool thinSmoothNoise(const BeamGrid& grid, double tolerance, SmoothNoiseMemory& memory);
 
 /// @brief Labels of the whole image from memory.labels: each pixel has that of the kept ones around it which weighs most,
 /// interpolated between them, of those whose planes its range allows.
-/// @param grid and memory as thinSmoothNoise() left them. @param center about which beams begin [m].
-void labelThinned(const BeamGrid& grid, const Eigen::Vector3d& center, SmoothNoiseMemory& memory, LabelImage& labels);
+/// @param grid and memory as thinSmoothNoise() left them, with labels from 0 on for each pixel of memory.grid.
+/// @param center about which beams begin [m]. @param labels overwritten; do not depend on the number of threads.
+void labelThinned(const BeamGrid& grid, const Eigen::Vector3d& center, SmoothNoiseMemory& memory, LabelImage& labels,
+                  int threads = 1);
 
 }  // namespace ppc
