@@ -6,6 +6,7 @@
 #include "patch_plane_clustering/core/parallel.h"
 #include "patch_plane_clustering/core/patch_sample.h"
 #include "patch_plane_clustering/core/range_limit.h"
+#include "patch_plane_clustering/core/smooth_noise.h"
 #include "patch_plane_clustering/core/surface_noise.h"
 
 #include <algorithm>
@@ -69,6 +70,7 @@ ImageErrors estimateErrors(const BeamGrid& grid, double line_error_left, const C
     gate();
   }
   if (estimateCorrelation(config, memory, errors)) gate();
+  if (!errors.tolerance.isWhite()) errors.tolerance.alike_around = areErrorsAlikeAround(grid, memory.smooth);
   if (config.avoid_range_limit) errors.range_limit = findRangeLimit(patches, errors.noise);
   markTruncated(grid, errors.range_limit, errors.noise, patches);
   errors.typical = typicalNoise(patches, errors.noise);

@@ -58,7 +58,7 @@ class LabelSplitter {
         tolerance_(tolerance),
         smallest_(smallest),
         smallest_side_(kMinSide * smallest),
-        merged_smooth_(merged && tolerance.isSmooth()),
+        merged_smooth_(merged && (tolerance.isSmooth() || tolerance.alike_around)),
         shares_(shares),
         labels_(labels),
         count_(memory.count),

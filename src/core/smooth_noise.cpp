@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/grid_selection.h"
 #include "patch_plane_clustering/core/parallel.h"
+#include "patch_plane_clustering/core/point_square.h"
 #include "patch_plane_clustering/core/quantile.h"
 
 #include <algorithm>
@@ -10,13 +11,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 
 namespace ppc {
 namespace {
 
-constexpr int kSide = 4;                             // points of a side of what planes are fitted to
-constexpr int kFar = 4, kNextToLast = 6, kLast = 8;  // pixels between them
+constexpr int kFar = 4, kNextToLast = 6, kLast = 8;  // pixels between points
 constexpr int kStrides[] = {2, 3, kFar, kNextToLast, kLast};
 constexpr int kPlaces = 16;            // along rows and columns, where residuals are compared
 constexpr std::size_t kFewest = 64;    // of those places at which planes could be fitted
@@ -26,43 +25,27 @@ constexpr double kSmoothAlong = 1.2;   // where only rows, or only columns, are 
 constexpr double kSaturated = 1.5;     // growth at kLast over that at kNextToLast; 1.8 if the surface itself bends
 constexpr double kHarmful = 2.5;       // growth at kLast beyond what is tolerated
 constexpr double kIndependent = 0.52;  // of that growth: points are far enough apart
+constexpr double kAlike = -0.08;       // correlation of points side by side, in the median; of independent errors -0.2
 constexpr double kFarthest = 4.0;      // standard deviations that a point of a region may be off
 
-void addPoint(const BeamGrid& grid, int pixel, const Eigen::Vector3d& about, Moments& moments) {
-  const Eigen::Vector3d p = grid.point(pixel).cast<double>() - about;
-  const double range = grid.range[pixel];
-  moments.add(p.x(), p.y(), p.z(), range * range);  // so that chi-square is in squares of the range
-}
-
-// Root mean square of what the points around a pixel are off their plane, along the beams; none if one was not measured.
-std::optional<double> residual(const BeamGrid& grid, int pixel, int row_stride, int col_stride) {
-  const int top = pixel / grid.cols - (kSide - 1) * row_stride / 2, left = pixel % grid.cols - (kSide - 1) * col_stride / 2;
-  const int bottom = top + (kSide - 1) * row_stride, right = left + (kSide - 1) * col_stride;
-  if (top < 0 || left < 0 || bottom >= grid.rows || right >= grid.cols) return {};
-  const Eigen::Vector3d about = grid.origin(pixel).cast<double>();
-  Moments moments;
-  for (int row = top; row <= bottom; row += row_stride) {
-    for (int col = left; col <= right; col += col_stride) {
-      const int i = grid.index(row, col);
-      if (!grid.valid(i)) return {};
-      addPoint(grid, i, about, moments);
+// Calls f(pixel) for places spread over the image.
+template <typename F>
+void forEachPlace(const BeamGrid& grid, const F& f) {
+  if (grid.size() == 0) return;
+  for (int r = 0; r < kPlaces; ++r) {
+    for (int c = 0; c < kPlaces; ++c) {
+      f(grid.index((2 * r + 1) * grid.rows / (2 * kPlaces), (2 * c + 1) * grid.cols / (2 * kPlaces)));
     }
   }
-  return std::sqrt(fitPlane(moments).chi2 / (kSide * kSide - 3));
 }
 
 // Lists the places around which all points so many pixels apart were measured. @return whether there are enough.
 bool listPlaces(const BeamGrid& grid, int stride, std::vector<SmoothNoiseMemory::Place>& places) {
   places.clear();
-  if (grid.size() == 0) return false;
-  for (int r = 0; r < kPlaces; ++r) {
-    for (int c = 0; c < kPlaces; ++c) {
-      const int row = (2 * r + 1) * grid.rows / (2 * kPlaces), col = (2 * c + 1) * grid.cols / (2 * kPlaces);
-      const int pixel = grid.index(row, col);
-      if (!residual(grid, pixel, stride, stride)) continue;
-      if (const std::optional<double> near = residual(grid, pixel, 1, 1)) places.push_back({pixel, *near});
-    }
-  }
+  forEachPlace(grid, [&](int pixel) {
+    if (!PointSquare::around(grid, pixel, stride, stride)) return;
+    if (const auto near = PointSquare::around(grid, pixel)) places.push_back({pixel, near->residual()});
+  });
   return places.size() >= kFewest;
 }
 
@@ -78,10 +61,11 @@ Growth growthAt(const BeamGrid& grid, int row_stride, int col_stride, double tol
   bare.clear();
   tolerated.clear();
   for (const SmoothNoiseMemory::Place& place : memory.places) {
-    const std::optional<double> far = residual(grid, place.pixel, row_stride, col_stride);
-    if (!far) continue;
-    bare.push_back(*far / std::max(place.residual, 1e-6));
-    tolerated.push_back(std::hypot(*far, tolerance) / std::max(std::hypot(place.residual, tolerance), 1e-6));
+    const auto square = PointSquare::around(grid, place.pixel, row_stride, col_stride);
+    if (!square) continue;
+    const double far = square->residual();
+    bare.push_back(far / std::max(place.residual, 1e-6));
+    tolerated.push_back(std::hypot(far, tolerance) / std::max(std::hypot(place.residual, tolerance), 1e-6));
   }
   if (bare.size() < kFewest) return {};
   return {quantile(bare, 0.1), quantile(bare, 0.3), median(tolerated)};
@@ -216,6 +200,19 @@ bool thinSmoothNoise(const BeamGrid& grid, double tolerance, SmoothNoiseMemory& 
   chooseLines(grid.cols, memory.stride, memory.cols, memory.col_between);
   selectBeams(grid, memory.rows, memory.cols, memory.grid);
   return true;
+}
+
+bool areErrorsAlikeAround(const BeamGrid& grid, SmoothNoiseMemory& memory) {
+  std::vector<double>&rows = memory.bare, &columns = memory.tolerated;
+  rows.clear();
+  columns.clear();
+  forEachPlace(grid, [&](int pixel) {
+    const auto square = PointSquare::around(grid, pixel);
+    if (!square) return;
+    rows.push_back(square->alongRows());
+    columns.push_back(square->alongColumns());
+  });
+  return rows.size() >= kFewest && median(rows) > kAlike && median(columns) > kAlike;
 }
 
 void labelThinned(const BeamGrid& grid, const Eigen::Vector3d& center, SmoothNoiseMemory& memory, LabelImage& labels,

@@ -209,6 +209,19 @@ TEST(SmoothNoise, IsThinnedAlsoWhereLinesStand) {
   EXPECT_LT(found.regions.size(), 8U);
 }
 
+TEST(SmoothNoise, ErrorsOfRangeCamerasAreAlikeAround) {
+  SmoothNoiseMemory memory;
+  Corner independent, lines, camera;
+  addNoise(independent.grid, 0.01);
+  EXPECT_FALSE(areErrorsAlikeAround(independent.grid, memory));
+  addNoise(lines.grid, 0.01, 0.0, 0.8);
+  EXPECT_FALSE(areErrorsAlikeAround(lines.grid, memory));
+  addSmoothNoise(camera.grid, 0.01, 0.7);
+  EXPECT_TRUE(areErrorsAlikeAround(camera.grid, memory));
+  EXPECT_FALSE(thinSmoothNoise(camera.grid, kTolerance, memory));
+  EXPECT_FALSE(areErrorsAlikeAround(BeamGrid(), memory));
+}
+
 TEST(SmoothNoise, LabelsPixelsBetweenThoseOfTheThinnedImage) {
   Corner corner;
   addSmoothNoise(corner.grid, 0.03, 3.0);

@@ -17,6 +17,7 @@ struct CoplanarityTolerance {
   double inflation_growth = 0.0;  ///< exponent of its growth beyond patch_points: 0 white noise, 1 never averages out
   double patch_points = 20.0;     ///< of such a patch
   double least_distance = 0.0;    ///< of sigma_distance, what stays however fine the sensor: errors of whole lines [m]
+  bool alike_around = false;      ///< errors are correlated along rows and along columns, see areErrorsAlikeAround()
 
   /// Inflation of the plane of n points: errors correlated farther than over a patch average out still more slowly.
   double inflationOf(double n) const {

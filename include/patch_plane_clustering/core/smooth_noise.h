@@ -32,7 +32,7 @@ struct SmoothNoiseMemory {
   };
 
   std::vector<Place> places;
-  std::vector<double> bare, tolerated;  ///< ratios of residuals
+  std::vector<double> bare, tolerated;  ///< ratios of residuals; correlations along rows, along columns
   int stride = 1;                       ///< every so many rows and columns one is kept
   std::vector<int> rows, cols;          ///< of the image, that are kept
   std::vector<Between> row_between, col_between;
@@ -56,6 +56,12 @@ struct SmoothNoiseMemory {
 /// more.
 /// @return whether any are left out; then memory.grid is the thinned image, otherwise what it was.
 bool thinSmoothNoise(const BeamGrid& grid, double tolerance, SmoothNoiseMemory& memory);
+
+/// @brief Whether errors of points side by side are alike along rows and along columns both, as those of range cameras are,
+/// though over no more pixels than a patch has: in most places PointSquare::alongRows() and alongColumns() are larger than
+/// of independent errors. Those of tilting lasers are alike along the lines alone.
+/// @param memory of which no result is touched.
+bool areErrorsAlikeAround(const BeamGrid& grid, SmoothNoiseMemory& memory);
 
 /// @brief Labels of the whole image from memory.labels: each pixel has that of the kept ones around it which weighs most,
 /// interpolated between them, of those whose planes its range allows.
