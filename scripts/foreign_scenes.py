@@ -223,13 +223,13 @@ def structured_light(scene, rng):
 
 def stereo(scene, rng):
     """Disparities of a stereo camera off by 0.06 pixels, alike over a window of some ten pixels, in steps of 1/32: ranges by 26 mm
-    at 3 m; no grazing return."""
+    at 3 m; no grazing return, none beyond 10 m of depth."""
     product = 425 * 0.05  # focal length [pixels] by the distance of the cameras [m]
     disparity = product / (scene.ranges * scene.beams[..., 2])
     smooth = cv2.GaussianBlur(rng.normal(size=disparity.shape), (0, 0), 3)
     disparity = numpy.round(32 * (disparity + 0.06 * smooth / smooth.std())) / 32
-    ranges = product / disparity / scene.beams[..., 2]
-    return numpy.where((scene.cosines < 0.14) | (ranges > 10), numpy.nan, ranges)
+    far = disparity < product / 10  # also those below 0
+    return numpy.where((scene.cosines < 0.14) | far, numpy.nan, product / numpy.where(far, 1, disparity) / scene.beams[..., 2])
 
 
 def dark(factor, spoil):

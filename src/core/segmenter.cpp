@@ -7,8 +7,14 @@
 #include "patch_plane_clustering/core/stage_timer.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace ppc {
+namespace {
+
+constexpr int kFewestThinned = 40;  // points of a region of a thinned image: of fewer, many fit a plane by chance
+
+}  // namespace
 
 LabelImage clusterPatches(const BeamGrid& grid, const Config& config, std::vector<StageTime>* stages) {
   ClusteringMemory memory;
@@ -31,10 +37,13 @@ void clusterPatches(const BeamGrid& measured, const Config& config, ClusteringMe
       config.thin_standing_lines && config.noise_aware && !lines.beams_exact && thinStandingLines(lines, memory.standing);
   const BeamGrid& moving = stood ? memory.standing.grid : lines;
   LabelImage& moving_labels = stood ? memory.standing.labels : labels;
-  if (config.thin_smooth_noise && config.noise_aware && thinSmoothNoise(moving, config.sigma_distance, memory.smooth)) {
+  const double tolerance = std::hypot(config.sigma_distance, line_errors.range_left);
+  if (config.thin_smooth_noise && config.noise_aware && thinSmoothNoise(moving, tolerance, memory.smooth)) {
     SmoothNoiseMemory& smooth = memory.smooth;
     Config thinned = config;
-    if (config.min_size > 0) thinned.min_size = std::max(1, config.min_size / (smooth.stride * smooth.stride));
+    if (config.min_size > 0) {
+      thinned.min_size = std::max(kFewestThinned, config.min_size / (smooth.stride * smooth.stride));
+    }
     ClusteringPipeline(smooth.grid, line_errors.range_left, thinned, timer, memory, smooth.labels).run();
     labelThinned(moving, memory.patches.center, smooth, moving_labels, config.threads);
     timer.lap("thinning");

@@ -16,17 +16,17 @@ namespace ppc {
 namespace {
 
 constexpr int kFar = 4, kNextToLast = 6, kLast = 8;  // pixels between points
-constexpr int kStrides[] = {2, 3, kFar, kNextToLast, kLast};
-constexpr int kPlaces = 16;            // along rows and columns, where residuals are compared
-constexpr std::size_t kFewest = 64;    // of those places at which planes could be fitted
-constexpr int kFewestLines = 40;       // rows and columns that must be left
-constexpr double kSmooth = 1.4;        // growth up to kFar, at nearly all places; of independent errors 0.7 to 1.0
-constexpr double kSmoothAlong = 1.2;   // where only rows, or only columns, are so far apart; of independent errors 0.9
-constexpr double kSaturated = 1.5;     // growth at kLast over that at kNextToLast; 1.8 if the surface itself bends
-constexpr double kHarmful = 2.5;       // growth at kLast beyond what is tolerated
-constexpr double kIndependent = 0.52;  // of that growth: points are far enough apart
-constexpr double kAlike = -0.08;       // correlation of points side by side, in the median; of independent errors -0.2
-constexpr double kFarthest = 4.0;      // standard deviations that a point of a region may be off
+constexpr int kBetween[] = {2, 3, kFar};
+constexpr int kPlaces = 16;           // along rows and columns, where residuals are compared
+constexpr std::size_t kFewest = 64;   // of those places at which planes could be fitted
+constexpr int kFewestLines = 40;      // rows and columns that must be left
+constexpr double kSmooth = 1.4;       // growth up to kFar, at nearly all places; of independent errors 0.7 to 1.0
+constexpr double kSmoothAlong = 1.2;  // where only rows, or only columns, are so far apart; of independent errors 0.9
+constexpr double kSaturated = 1.5;    // growth at kLast over that at kNextToLast; 1.8 if the surface itself bends
+constexpr double kHarmful = 2.5;      // growth at kLast beyond what is tolerated
+constexpr double kEnough = 0.52;      // of that growth, of points so far apart: neighbours show what noise does
+constexpr double kAlike = -0.08;      // correlation of points side by side, in the median; of independent errors -0.2
+constexpr double kFarthest = 4.0;     // standard deviations that a point of a region may be off
 
 // Calls f(pixel) for places spread over the image.
 template <typename F>
@@ -43,7 +43,7 @@ void forEachPlace(const BeamGrid& grid, const F& f) {
 bool listPlaces(const BeamGrid& grid, int stride, std::vector<SmoothNoiseMemory::Place>& places) {
   places.clear();
   forEachPlace(grid, [&](int pixel) {
-    if (!PointSquare::around(grid, pixel, stride, stride)) return;
+    if (!PointSquare::isMeasured(grid, pixel, stride, stride)) return;
     if (const auto near = PointSquare::around(grid, pixel)) places.push_back({pixel, near->residual()});
   });
   return places.size() >= kFewest;
@@ -57,7 +57,7 @@ struct Growth {
 };
 
 Growth growthAt(const BeamGrid& grid, int row_stride, int col_stride, double tolerance, SmoothNoiseMemory& memory) {
-  std::vector<double>&bare = memory.bare, &tolerated = memory.tolerated;
+  std::vector<double>&bare = memory.values[0], &tolerated = memory.values[1];
   bare.clear();
   tolerated.clear();
   for (const SmoothNoiseMemory::Place& place : memory.places) {
@@ -71,18 +71,19 @@ Growth growthAt(const BeamGrid& grid, int row_stride, int col_stride, double tol
   return {quantile(bare, 0.1), quantile(bare, 0.3), median(tolerated)};
 }
 
-// Pixels between points whose errors are nearly independent; 1 where they are so side by side, where their smoothness does
-// no harm, and where nothing can be told.
-int independentStride(const BeamGrid& grid, double tolerance, SmoothNoiseMemory& memory) {
+// Pixels between points that show half of what noise does over many; 1 where they do so side by side, where smooth noise
+// does no harm, and where nothing can be told.
+int thinningStride(const BeamGrid& grid, double tolerance, SmoothNoiseMemory& memory) {
   const auto growth = [&](int rows, int cols) { return growthAt(grid, rows, cols, tolerance, memory); };
   if (!listPlaces(grid, kFar, memory.places) || growth(kFar, kFar).least < kSmooth) return 1;
   if (std::min(growth(kFar, 1).planar, growth(1, kFar).planar) < kSmoothAlong) return 1;
   if (!listPlaces(grid, kLast, memory.places)) return 1;
-  const Growth last = growth(kLast, kLast);
-  if (last.tolerated < kHarmful || last.planar > kSaturated * growth(kNextToLast, kNextToLast).planar) return 1;
-  int stride = kLast;
-  for (const int shorter : kStrides) {
-    if (growth(shorter, shorter).tolerated < kIndependent * last.tolerated) continue;
+  const Growth last = growth(kLast, kLast), before = growth(kNextToLast, kNextToLast);
+  if (last.tolerated < kHarmful || last.planar > kSaturated * before.planar) return 1;
+  const double enough = kEnough * last.tolerated;
+  int stride = before.tolerated < enough ? kLast : kNextToLast;
+  for (const int shorter : kBetween) {
+    if (growth(shorter, shorter).tolerated < enough) continue;
     stride = shorter;
     break;
   }
@@ -194,7 +195,7 @@ class ThinnedLabels {
 }  // namespace
 
 bool thinSmoothNoise(const BeamGrid& grid, double tolerance, SmoothNoiseMemory& memory) {
-  memory.stride = independentStride(grid, tolerance, memory);
+  memory.stride = thinningStride(grid, tolerance, memory);
   if (memory.stride == 1) return false;
   chooseLines(grid.rows, memory.stride, memory.rows, memory.row_between);
   chooseLines(grid.cols, memory.stride, memory.cols, memory.col_between);
@@ -203,7 +204,7 @@ bool thinSmoothNoise(const BeamGrid& grid, double tolerance, SmoothNoiseMemory& 
 }
 
 bool areErrorsAlikeAround(const BeamGrid& grid, SmoothNoiseMemory& memory) {
-  std::vector<double>&rows = memory.bare, &columns = memory.tolerated;
+  std::vector<double>&rows = memory.values[0], &columns = memory.values[1];
   rows.clear();
   columns.clear();
   forEachPlace(grid, [&](int pixel) {

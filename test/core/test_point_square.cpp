@@ -81,9 +81,13 @@ TEST(PointSquare, LiesAroundItsPixelAndNeedsAllPoints) {
 }
 
 TEST(PointSquare, OfPointsThatAreNotOffIsNotCorrelated) {
-  BeamGrid grid = forwardBeams(4, 4, 0.003);
-  grid.range.assign(grid.range.size(), 0.0F);
-  EXPECT_FALSE(PointSquare::around(grid, grid.index(1, 1)));
+  const BeamGrid grid = obliqueWall();
+  for (const int pixel : {grid.index(20, 30), grid.index(100, 150)}) {
+    const auto square = PointSquare::around(grid, pixel);
+    ASSERT_TRUE(square);
+    EXPECT_EQ(square->alongRows(), 0.0);
+    EXPECT_EQ(square->alongColumns(), 0.0);
+  }
 }
 
 }  // namespace

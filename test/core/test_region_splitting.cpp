@@ -185,6 +185,14 @@ TEST(SplitLabels, TellsWhatAMergeHasJoinedWhereNoiseIsSmooth) {
   EXPECT_FALSE(before.splitSmooth(false));
   EXPECT_TRUE(creased.splitSmooth(true));
   expectSidesApart(creased, 0.05);
+  CoplanarityTolerance few{0.005, 0.005, 3.0};  // alike over few pixels
+  for (const bool around : {false, true}) {
+    Scene scene = wide(crease(0.1));
+    addSmoothNoise(scene.grid, 0.004, 0.7);
+    scene.sumCells();
+    few.alike_around = around;
+    EXPECT_EQ(scene.split(few, 350, true, 1), around);
+  }
   const auto step = [](double depth) {
     return std::vector<Surface>{surfaceOf({{-Eigen::Vector3d::UnitX(), -depth}, kLeft}), kRest};
   };

@@ -3,6 +3,7 @@
 
 #include "analytic_scenes.h"
 #include "patch_plane_clustering/core/grid_selection.h"
+#include "patch_plane_clustering/core/image_errors.h"
 #include "patch_plane_clustering/core/region_statistics.h"
 #include "patch_plane_clustering/core/segmentation_memory.h"
 #include "patch_plane_clustering/core/segmenter.h"
@@ -50,7 +51,7 @@ TEST(SmoothNoise, IsNoneOfIndependentErrors) {
   EXPECT_FALSE(thinSmoothNoise(fine.grid, kTolerance, memory));
   addNoise(coarse.grid, 0.04);
   EXPECT_FALSE(thinSmoothNoise(coarse.grid, kTolerance, memory));
-  EXPECT_FALSE(thinSmoothNoise(coarse.grid, 0.0, memory));
+  EXPECT_FALSE(thinSmoothNoise(coarse.grid, 0.0001, memory));
 }
 
 TEST(SmoothNoise, IsNoneOfErrorsAlongLinesOrBetweenNeighbours) {
@@ -103,7 +104,7 @@ TEST(SmoothNoise, CannotBeToldFromTooFewPoints) {
   }
 }
 
-TEST(SmoothNoise, IsThinnedUntilErrorsAreNearlyIndependent) {
+TEST(SmoothNoise, IsThinnedByMoreThePixelsItIsAlikeOver) {
   SmoothNoiseMemory memory;
   Corner some, more;
   addSmoothNoise(some.grid, 0.03, 2.5);
@@ -206,7 +207,15 @@ TEST(SmoothNoise, IsThinnedAlsoWhereLinesStand) {
   segment(waits, Config(), memory, found);
   EXPECT_EQ(memory.standing.grid.rows, kRows);
   EXPECT_GT(memory.smooth.stride, 1);
+  ASSERT_GE(found.regions.size(), static_cast<std::size_t>(corner.faces));
   EXPECT_LT(found.regions.size(), 8U);
+  EXPECT_GT(found.regions[0].points, 0.9 * countOf(corner.truth, 1));  // the wall ahead
+}
+
+ImageErrors errorsOf(const Corner& corner, const Config& config, ClusteringMemory& memory) {
+  measureSteps(corner.grid, memory.patch_grids, memory.steps, 1);
+  makePatchGrid(corner.grid, config.patch_size, memory.steps, nullptr, 1, memory.patch_grids, memory.patches);
+  return estimateErrors(corner.grid, 0.0, config, memory);
 }
 
 TEST(SmoothNoise, ErrorsOfRangeCamerasAreAlikeAround) {
@@ -220,6 +229,12 @@ TEST(SmoothNoise, ErrorsOfRangeCamerasAreAlikeAround) {
   EXPECT_TRUE(areErrorsAlikeAround(camera.grid, memory));
   EXPECT_FALSE(thinSmoothNoise(camera.grid, kTolerance, memory));
   EXPECT_FALSE(areErrorsAlikeAround(BeamGrid(), memory));
+  ClusteringMemory clustering;
+  for (Corner* corner : {&independent, &lines, &camera}) {
+    const ImageErrors errors = errorsOf(*corner, Config(), clustering);
+    EXPECT_EQ(errors.tolerance.alike_around, corner == &camera);
+    EXPECT_EQ(errors.tolerance.isWhite(), corner == &independent);
+  }
 }
 
 TEST(SmoothNoise, LabelsPixelsBetweenThoseOfTheThinnedImage) {

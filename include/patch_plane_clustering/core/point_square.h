@@ -13,28 +13,30 @@ namespace ppc {
 /// tells errors from surfaces as far as these are planar over the square. Keeps a reference to the grid.
 class PointSquare {
  public:
-  /// @param pixel in the middle, before the half if there is none. @return none if a point is outside of the image or was
-  /// not measured.
+  /// Whether all of its points are within the image and were measured. @param pixel in the middle, before the half if there
+  /// is none; one of an image that has any.
+  static bool isMeasured(const BeamGrid& grid, int pixel, int row_stride = 1, int col_stride = 1);
+
+  /// @return none unless isMeasured().
   static std::optional<PointSquare> around(const BeamGrid& grid, int pixel, int row_stride = 1, int col_stride = 1);
 
   /// Root mean square of what points are off the plane, along their beams [m].
   double residual() const;
 
-  /// Correlation of what points side by side in rows, or in columns, are off the plane: of independent errors some -0.2, for
-  /// the plane is fitted to them; 0 if they are not off at all.
+  /// Correlation of what neighbours in a row, or in a column, are off the plane: of independent errors some -0.2, for the
+  /// plane is fitted to them; 0 if they are off by no more than the arithmetic is.
   double alongRows() const { return correlation(0, 1); }
   double alongColumns() const { return correlation(1, 0); }
 
  private:
   static constexpr int kSide = 4;
 
-  PointSquare(const BeamGrid& grid, int first, int down, int right)
-      : grid_(grid), first_(first), down_(down), right_(right) {}
-  int pixel(int row, int col) const { return first_ + row * down_ + col * right_; }
+  PointSquare(const BeamGrid& grid, int pixel, int row_stride, int col_stride);
+  int pixel(int row, int col) const { return grid_.index(top_ + row * row_stride_, left_ + col * col_stride_); }
   double correlation(int down, int right) const;
 
   const BeamGrid& grid_;
-  int first_, down_, right_;  // pixel, and from a pixel to the next
+  int row_stride_, col_stride_, top_, left_;
   Eigen::Vector3d about_;
   PlaneFit fit_;
 };

@@ -70,14 +70,14 @@ struct LabelSplitMemory {
 /// already differ by 0.6 of the tolerance, which most waves and bows do not, though as much as 0.6 of what the division
 /// explains may be left for a third level.
 ///
-/// Where noise is smooth (CoplanarityTolerance::isSmooth(), or alike_around), labels of any size that a merge has made are
-/// divided, with chi-square over the inflation of the smallest side so that borders do not follow bumps of noise, if the
-/// best straight cut explains .03 of what the label's plane leaves. The division must explain 30 times the inflation of its
-/// smaller side, and as much as this leaves, beyond a quadratic surface; leave the smaller side no more than four times what
-/// it does the other; and its sides must be turned by 8 degrees, or the smaller one leave ten times as much on the other's
-/// plane.
-/// @param cells with weighed moments. @param merged whether labels may have been merged since they were last looked at; then
-/// nothing but the latter is done where noise is smooth. @param smallest points of a label; a side has a quarter at least.
+/// Where noise is smooth (CoplanarityTolerance::isSmooth(), or alike_around), labels of any size are divided after a merge,
+/// with chi-square over the inflation of the smallest side so that borders do not follow bumps of noise, if the best
+/// straight cut explains .03 of what the label's plane leaves. Beyond a quadratic surface, the division must explain 30
+/// times the inflation of its smaller side, and as much as this leaves; leave, a point, no more than four times as much on
+/// the smaller side as on the other or as noise does; be a misfit beyond the tolerance; and its sides must be turned by 8
+/// degrees, or the smaller one leave ten times as much on the other's plane. This alone is done there if `merged`.
+/// @param cells with weighed moments. @param merged whether labels may have been merged since they were last looked at.
+/// @param smallest points of a label; a side has a quarter at least.
 /// @param shares of `labels`. Both are brought up to date: new labels follow the last of shares.sums.
 /// @return whether any was split.
 bool splitLabels(const BeamGrid& grid, const PatchGrid& cells, const NoiseModel& noise,

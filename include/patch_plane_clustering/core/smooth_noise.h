@@ -6,12 +6,13 @@
 #include "patch_plane_clustering/core/segmentation.h"
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 namespace ppc {
 
-/// @brief Working memory of thinSmoothNoise() and labelThinned(), which one image after the other may use, and what the
-/// first tells the second.
+/// @brief Working memory of the functions below, which one image after the other may use, and what thinSmoothNoise() tells
+/// labelThinned().
 struct SmoothNoiseMemory {
   /// Where planes of 4 x 4 points are fitted.
   struct Place {
@@ -32,9 +33,9 @@ struct SmoothNoiseMemory {
   };
 
   std::vector<Place> places;
-  std::vector<double> bare, tolerated;  ///< ratios of residuals; correlations along rows, along columns
-  int stride = 1;                       ///< every so many rows and columns one is kept
-  std::vector<int> rows, cols;          ///< of the image, that are kept
+  std::array<std::vector<double>, 2> values;  ///< of all places
+  int stride = 1;                             ///< every so many rows and columns one is kept
+  std::vector<int> rows, cols;                ///< of the image, that are kept
   std::vector<Between> row_between, col_between;
   BeamGrid grid;      ///< the thinned image
   LabelImage labels;  ///< of `grid`
@@ -45,13 +46,14 @@ struct SmoothNoiseMemory {
 /// of stereo cameras are, which match windows of some ten pixels; then leaves out all but one of every 2, 3, 4, 6 or 8 rows
 /// and columns.
 ///
-/// Planes of 4 x 4 points leave the same residuals however far apart the points lie, if their errors are independent. Where
-/// errors are alike over s pixels, residuals grow with the distance of the points up to about s and stay from there on; of a
-/// surface that bends they would go on growing, by the square. Where what noise does is found over more pixels than a patch
-/// has, no statistics of patches helps: walls fall into their bumps. Points s pixels apart have nearly independent errors,
-/// so that an image of them is what the method is made for. Images that would keep less than 40 rows or columns stay as they
-/// are, and so do those whose errors are alike along rows only, or along columns only. A relief of bumps of up to some
-/// twenty pixels all over the image looks the same, and is taken for noise.
+/// Planes of 4 x 4 points (PointSquare) leave the same residuals however far apart the points lie, if their errors are
+/// independent. Where errors are alike over s pixels, residuals grow with the distance of the points up to about 2 s and
+/// stay from there on; of a surface that bends they would go on growing, by the square. Where what noise does is found over
+/// more pixels than a patch has, no statistics of patches helps: walls fall into their bumps. In an image of points so far
+/// apart that their residuals are half of what they grow to, patches see enough of it to estimate the rest
+/// (NoiseCorrelation), and no more is thrown away. Images that would keep less than 40 rows or columns stay as they are, and
+/// so do those whose errors are alike along rows only, or along columns only. A relief of bumps of up to some twenty pixels
+/// all over the image looks the same, and is taken for noise.
 /// @param tolerance of planes, above 0 [m]: smooth errors that do not stand out from it do no harm, and a finer image tells
 /// more.
 /// @return whether any are left out; then memory.grid is the thinned image, otherwise what it was.
