@@ -17,36 +17,34 @@ namespace {
 
 constexpr int kFar = 4, kNextToLast = 6, kLast = 8;  // pixels between points
 constexpr int kBetween[] = {2, 3, kFar};
-constexpr int kPlaces = 16;           // along rows and columns, where residuals are compared
-constexpr std::size_t kFewest = 64;   // of those places at which planes could be fitted
-constexpr int kFewestLines = 40;      // rows and columns that must be left
-constexpr double kSmooth = 1.4;       // growth up to kFar, at nearly all places; of independent errors 0.7 to 1.0
-constexpr double kSmoothAlong = 1.2;  // where only rows, or only columns, are so far apart; of independent errors 0.9
-constexpr double kSaturated = 1.5;    // growth at kLast over that at kNextToLast; 1.8 if the surface itself bends
-constexpr double kHarmful = 2.5;      // growth at kLast beyond what is tolerated
-constexpr double kEnough = 0.52;      // of that growth, of points so far apart: neighbours show what noise does
-constexpr double kAlike = -0.08;      // correlation of points side by side, in the median; of independent errors -0.2
-constexpr double kFarthest = 4.0;     // standard deviations that a point of a region may be off
+constexpr int kPlaces = 16, kFewPlaces = 8;  // along rows and columns, where residuals are compared, at a first look too
+constexpr double kFewest = 0.25;             // share of those places at which planes could be fitted
+constexpr int kFewestLines = 40;             // rows and columns that must be left
+constexpr double kSmooth = 1.4;              // growth up to kFar, at nearly all places; of independent errors 0.7 to 1.0
+constexpr double kSmoothAlong = 1.2;         // where only rows, or only columns, are so far apart; of independent errors 0.9
+constexpr double kSaturated = 1.5;           // growth at kLast over that at kNextToLast; 1.8 if the surface itself bends
+constexpr double kHarmful = 2.5;             // growth at kLast beyond what is tolerated
+constexpr double kEnough = 0.52;             // of that growth, of points so far apart: neighbours show what noise does
+constexpr double kAlike = -0.08;             // correlation of points side by side, in the median; of independent errors -0.2
+constexpr double kFarthest = 4.0;            // standard deviations that a point of a region may be off
 
-// Calls f(pixel) for places spread over the image.
+// Calls f(pixel) for so many places along rows and columns, spread over the image.
 template <typename F>
-void forEachPlace(const BeamGrid& grid, const F& f) {
+void forEachPlace(const BeamGrid& grid, int side, const F& f) {
   if (grid.size() == 0) return;
-  for (int r = 0; r < kPlaces; ++r) {
-    for (int c = 0; c < kPlaces; ++c) {
-      f(grid.index((2 * r + 1) * grid.rows / (2 * kPlaces), (2 * c + 1) * grid.cols / (2 * kPlaces)));
-    }
+  for (int r = 0; r < side; ++r) {
+    for (int c = 0; c < side; ++c) f(grid.index((2 * r + 1) * grid.rows / (2 * side), (2 * c + 1) * grid.cols / (2 * side)));
   }
 }
 
 // Lists the places around which all points so many pixels apart were measured. @return whether there are enough.
-bool listPlaces(const BeamGrid& grid, int stride, std::vector<SmoothNoiseMemory::Place>& places) {
+bool listPlaces(const BeamGrid& grid, int side, int stride, std::vector<SmoothNoiseMemory::Place>& places) {
   places.clear();
-  forEachPlace(grid, [&](int pixel) {
+  forEachPlace(grid, side, [&](int pixel) {
     if (!PointSquare::isMeasured(grid, pixel, stride, stride)) return;
     if (const auto near = PointSquare::around(grid, pixel)) places.push_back({pixel, near->residual()});
   });
-  return places.size() >= kFewest;
+  return static_cast<int>(places.size()) >= kFewest * side * side;
 }
 
 // How many times as large residuals are with rows and columns so many pixels apart as they are side by side.
@@ -67,7 +65,7 @@ Growth growthAt(const BeamGrid& grid, int row_stride, int col_stride, double tol
     bare.push_back(far / std::max(place.residual, 1e-6));
     tolerated.push_back(std::hypot(far, tolerance) / std::max(std::hypot(place.residual, tolerance), 1e-6));
   }
-  if (bare.size() < kFewest) return {};
+  if (bare.empty()) return {};
   return {quantile(bare, 0.1), quantile(bare, 0.3), median(tolerated)};
 }
 
@@ -75,9 +73,11 @@ Growth growthAt(const BeamGrid& grid, int row_stride, int col_stride, double tol
 // does no harm, and where nothing can be told.
 int thinningStride(const BeamGrid& grid, double tolerance, SmoothNoiseMemory& memory) {
   const auto growth = [&](int rows, int cols) { return growthAt(grid, rows, cols, tolerance, memory); };
-  if (!listPlaces(grid, kFar, memory.places) || growth(kFar, kFar).least < kSmooth) return 1;
+  for (const int side : {kFewPlaces, kPlaces}) {
+    if (!listPlaces(grid, side, kFar, memory.places) || growth(kFar, kFar).least < kSmooth) return 1;
+  }
   if (std::min(growth(kFar, 1).planar, growth(1, kFar).planar) < kSmoothAlong) return 1;
-  if (!listPlaces(grid, kLast, memory.places)) return 1;
+  if (!listPlaces(grid, kPlaces, kLast, memory.places)) return 1;
   const Growth last = growth(kLast, kLast), before = growth(kNextToLast, kNextToLast);
   if (last.tolerated < kHarmful || last.planar > kSaturated * before.planar) return 1;
   const double enough = kEnough * last.tolerated;
@@ -207,13 +207,13 @@ bool areErrorsAlikeAround(const BeamGrid& grid, SmoothNoiseMemory& memory) {
   std::vector<double>&rows = memory.values[0], &columns = memory.values[1];
   rows.clear();
   columns.clear();
-  forEachPlace(grid, [&](int pixel) {
+  forEachPlace(grid, kPlaces, [&](int pixel) {
     const auto square = PointSquare::around(grid, pixel);
     if (!square) return;
     rows.push_back(square->alongRows());
     columns.push_back(square->alongColumns());
   });
-  return rows.size() >= kFewest && median(rows) > kAlike && median(columns) > kAlike;
+  return static_cast<int>(rows.size()) >= kFewest * kPlaces * kPlaces && median(rows) > kAlike && median(columns) > kAlike;
 }
 
 void labelThinned(const BeamGrid& grid, const Eigen::Vector3d& center, SmoothNoiseMemory& memory, LabelImage& labels,
