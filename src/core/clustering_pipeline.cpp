@@ -151,9 +151,7 @@ bool ClusteringPipeline::secondPass() {
               labels_, memory_.pieces.runs, memory_.planes, config_.threads);
   // Merging tolerates more than splitting does; in white noise, what it has joined is known well enough to be judged, and in
   // smooth noise what it has joined beyond doubt. A side that is too small for a region leaves a better one behind.
-  const CoplanarityTolerance& tolerance = errors_.tolerance;
-  const bool may_split = tolerance.isWhite() || tolerance.isSmooth() || tolerance.alike_around;
-  if (!split_regions || !may_split || !split(true)) return true;
+  if (!split_regions || !split(true)) return true;
   labelPlanes(shares, memory_.planes);
   return false;
 }

@@ -58,6 +58,7 @@ class LabelSplitter {
         tolerance_(tolerance),
         smallest_(smallest),
         smallest_side_(kMinSide * smallest),
+        merged_(merged),
         merged_smooth_(merged && (tolerance.isSmooth() || tolerance.alike_around)),
         shares_(shares),
         labels_(labels),
@@ -73,6 +74,7 @@ class LabelSplitter {
         found_(memory.found) {}
 
   void splitAll(int threads) {
+    if (merged_ && !tolerance_.isWhite() && !merged_smooth_) return;
     listPlaces();
     parts_.clear();
     for (std::size_t label = 1; label + 1 < begin_.size(); ++label) {
@@ -372,7 +374,7 @@ class LabelSplitter {
   const CoplanarityTolerance& tolerance_;
   int smallest_;
   double smallest_side_;
-  bool merged_smooth_;
+  bool merged_, merged_smooth_;
   CellShares& shares_;
   LabelImage& labels_;
   std::vector<int>&count_, &begin_, &next_;

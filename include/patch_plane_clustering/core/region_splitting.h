@@ -75,7 +75,8 @@ struct LabelSplitMemory {
 /// straight cut explains .03 of what the label's plane leaves. Beyond a quadratic surface, the division must explain 30
 /// times the inflation of its smaller side, and as much as this leaves; leave, a point, no more than four times as much on
 /// the smaller side as on the other or as noise does; be a misfit beyond the tolerance; and its sides must be turned by 8
-/// degrees, or the smaller one leave ten times as much on the other's plane. This alone is done there if `merged`.
+/// degrees, or the smaller one leave ten times as much on the other's plane. This alone is done there if `merged`;
+/// where noise is neither white nor smooth, nothing is.
 /// @param cells with weighed moments. @param merged whether labels may have been merged since they were last looked at.
 /// @param smallest points of a label; a side has a quarter at least.
 /// @param shares of `labels`. Both are brought up to date: new labels follow the last of shares.sums.

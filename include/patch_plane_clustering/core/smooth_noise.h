@@ -61,8 +61,10 @@ bool thinSmoothNoise(const BeamGrid& grid, double tolerance, SmoothNoiseMemory& 
 
 /// @brief Whether errors of points side by side are alike along rows and along columns both, as those of range cameras are,
 /// though over no more pixels than a patch has: in most places PointSquare::alongRows() and alongColumns() are larger than
-/// of independent errors. Those of tilting lasers are alike along the lines alone.
-/// @param memory of which no result is touched.
+/// of independent errors. Those of tilting lasers are alike along the lines alone. For images
+/// known to have errors that are not white (CoplanarityTolerance::isWhite()): a surface that bends within a square is alike
+/// around as well.
+/// @param memory of which no result of thinSmoothNoise() is touched.
 bool areErrorsAlikeAround(const BeamGrid& grid, SmoothNoiseMemory& memory);
 
 /// @brief Labels of the whole image from memory.labels: each pixel has that of the kept ones around it which weighs most,
