@@ -2,19 +2,21 @@
 #include "patch_plane_clustering/core/tilt_track.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace ppc {
 namespace {
 
 constexpr double kTurn = 6.283185307179586;
-constexpr double kAngleSlack = 0.05;       // encoder noise must not look like speed when two stamps nearly coincide [rad]
-constexpr std::size_t kConfirmations = 3;  // samples in a row that make a jump credible
-constexpr double kFarBack = 1.0;           // [s]
-constexpr double kAlike = 1e-7;            // [rad]
-constexpr std::size_t kFrozenSteps = 2;    // steps without motion that may be a frozen encoder
-constexpr std::size_t kSteadySteps = 3;    // steps before them that tell the speed
-constexpr double kMostAngle = 1e9;         // beyond, an angle has no digits left for a part of a turn [rad]
+constexpr double kAngleSlack = 0.05;        // encoder noise must not look like speed when two stamps nearly coincide [rad]
+constexpr std::size_t kConfirmations = 3;   // samples in a row that make a jump credible
+constexpr double kFarBack = 1.0;            // [s]
+constexpr double kAlike = 1e-7;             // [rad]
+constexpr std::size_t kFrozenSteps = 2;     // steps without motion that may be a frozen encoder
+constexpr std::size_t kSteadySteps = 3;     // steps before them that tell the speed
+constexpr std::size_t kUsualIntervals = 8;  // intervals that tell the usual one
+constexpr double kMostAngle = 1e9;          // beyond, an angle has no digits left for a part of a turn [rad]
 
 }  // namespace
 
@@ -133,15 +135,72 @@ void TiltTrack::add(double stamp, double angle) {
   suspects_.clear();
 }
 
-// True if samples are missing before the one of index `after` and a straight line across leads too far from the motion that
-// was seen before.
-bool TiltTrack::bends(std::size_t after) const {
-  if (after < 2 || samples_[after - 1].after_jump) return false;
-  const Sample &a = samples_[after - 2], &b = samples_[after - 1], &c = samples_[after];
-  const double usual = b.stamp - a.stamp, gap = c.stamp - b.stamp;
-  if (gap <= 1.5 * usual) return false;
-  const double change = (c.angle - b.angle) / gap - (b.angle - a.angle) / usual;
-  return 0.25 * std::abs(change) * gap > options_.max_bend;  // of a parabola through both ends with the speed of the first
+// True if samples are missing before the one of index `after`: most intervals before are much shorter.
+bool TiltTrack::samplesMissBefore(std::size_t after) const {
+  std::array<double, kUsualIntervals> intervals;
+  std::size_t n = 0;
+  for (std::size_t i = after - 1; i > 0 && n < intervals.size() && !samples_[i].after_jump; --i) {
+    intervals[n++] = samples_[i].stamp - samples_[i - 1].stamp;
+  }
+  if (n == 0) return false;
+  // A quarter of them tells the usual one: others may be gaps as well.
+  const auto usual = intervals.begin() + static_cast<std::ptrdiff_t>((n - 1) / 4);
+  std::nth_element(intervals.begin(), usual, intervals.begin() + static_cast<std::ptrdiff_t>(n));
+  return samples_[after].stamp - samples_[after - 1].stamp > 1.5 * *usual;
+}
+
+// First of the samples that end with `last`, go back for `span` and have no jump among them.
+std::size_t TiltTrack::windowBefore(std::size_t last, double span) const {
+  std::size_t first = last;
+  while (first > 0 && !samples_[first].after_jump && samples_[last].stamp - samples_[first].stamp < span) --first;
+  return first;
+}
+
+// Last of the samples that begin with `first`, go on for `span` and have no jump among them; past the newest if that is
+// not known yet.
+std::size_t TiltTrack::windowAfter(std::size_t first, double span) const {
+  std::size_t last = first;
+  while (samples_[last].stamp - samples_[first].stamp < span) {
+    if (last + 1 == samples_.size()) return samples_.size();
+    if (samples_[last + 1].after_jump) break;
+    ++last;
+  }
+  return last;
+}
+
+// How far the samples up to the one of index `last` are from the straight lines between their neighbours, most of them:
+// coarse steps of an encoder, jitter of its stamps. [rad]
+double TiltTrack::coarsenessBefore(std::size_t last) const {
+  std::array<double, kUsualIntervals> residuals;
+  std::size_t n = 0;
+  for (std::size_t i = last; n < residuals.size() && i > 1 && !samples_[i].after_jump && !samples_[i - 1].after_jump; --i) {
+    const Sample &a = samples_[i - 2], &b = samples_[i - 1], &c = samples_[i];
+    residuals[n++] = std::abs(a.angle + (c.angle - a.angle) * (b.stamp - a.stamp) / (c.stamp - a.stamp) - b.angle);
+  }
+  if (n == 0) return 0.0;
+  const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>((n - 1) / 2);
+  std::nth_element(residuals.begin(), middle, residuals.begin() + static_cast<std::ptrdiff_t>(n));
+  return *middle;
+}
+
+// Whether a straight line across the gap before the sample of index `after` is near enough to the motion.
+TiltTrack::Status TiltTrack::judgeGap(std::size_t after) const {
+  const std::size_t before = after - 1;
+  const double gap = samples_[after].stamp - samples_[before].stamp;
+  const double span = 0.99 * gap;  // as many intervals, though stamps are rounded
+  const std::size_t first = windowBefore(before, span), last = windowAfter(after, span);
+  if (last == samples_.size()) return Status::kTooNew;
+  if (first == before || last == after) return Status::kGap;
+  const auto speed = [this](std::size_t a, std::size_t b) {
+    return (samples_[b].angle - samples_[a].angle) / (samples_[b].stamp - samples_[a].stamp);
+  };
+  const double chord = speed(before, after);
+  const double entry = speed(first, before) - chord, exit = speed(after, last) - chord;
+  double bend = 0.0;
+  for (const double u : {0.25, 0.5, 0.75}) {
+    bend = std::max(bend, gap * std::abs(entry * u * (1.0 - u) * (1.0 - u) - exit * u * u * (1.0 - u)));
+  }
+  return bend <= std::max(options_.max_bend, coarsenessBefore(before)) ? Status::kReady : Status::kGap;
 }
 
 bool TiltTrack::jumpedBetween(double from, double to) const {
@@ -165,7 +224,11 @@ TiltTrack::Status TiltTrack::lookup(double stamp, double& angle) const {
   }
   const Sample& before = *(after - 1);
   if (after->after_jump || after->stamp - before.stamp > options_.max_gap) return Status::kGap;
-  if (bends(static_cast<std::size_t>(after - samples_.begin()))) return Status::kGap;
+  const auto index = static_cast<std::size_t>(after - samples_.begin());
+  if (samplesMissBefore(index)) {
+    const Status status = judgeGap(index);
+    if (status != Status::kReady) return status;
+  }
   angle = before.angle + (after->angle - before.angle) * (stamp - before.stamp) / (after->stamp - before.stamp);
   return Status::kReady;
 }

@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <random>
 
 namespace ppc {
 namespace {
@@ -190,18 +193,91 @@ TEST(TiltTrack, aFrozenEncoderLeavesAGap) {
   }
 }
 
-TEST(TiltTrack, aGapIsBridgedOnlyWhereTheMotionIsSteady) {
+using Motion = std::function<double(double)>;
+
+double nod(double t) { return -0.7 * std::cos(2.0 * M_PI * t / 4.0); }
+double zigzag(double t) { return std::abs(std::remainder(t, 4.0)) * 0.7 - 0.7; }
+
+/// Samples of a motion at `rate` [Hz] over 20 s, without those that `misses` tells, and what lookups between them give.
+struct Bridged {
+  double worst = 0.0;     ///< how far a tilt is from the motion [rad]
+  double dropped = 0.0;   ///< share of the times without a tilt
+  std::size_t asked = 0;  ///< times from 1 s to 18 s
+};
+Bridged bridge(const Motion& motion, double rate, const std::function<bool(int)>& misses, double step = 0.0) {
   TiltTrack track;
-  const auto tilt = [](double t) { return -0.7 * std::cos(2.0 * M_PI * t / 4.0); };
-  for (int i = 0; i <= 400; ++i) {
-    const bool steady = i > 90 && i<120, turning = i> 180 && i < 210;
-    if (!steady && !turning) track.add(10.0 + 0.01 * i, tilt(0.01 * i));
+  for (int i = 0; i <= 20 * rate; ++i) {
+    const double angle = motion(i / rate);
+    if (!misses(i)) track.add(i / rate, step > 0.0 ? step * std::round(angle / step) : angle);
   }
+  Bridged result;
+  for (double t = 1.0; t < 18.0; t += 0.0007) {
+    ++result.asked;
+    double angle = 0.0;
+    const Status status = track.lookup(t, angle);
+    if (status == Status::kReady)
+      result.worst = std::max(result.worst, std::abs(angle - motion(t)));
+    else
+      result.dropped += 1.0;
+  }
+  result.dropped /= static_cast<double>(result.asked);
+  return result;
+}
+
+TEST(TiltTrack, noGapIsBridgedWhereTheMotionMayLeaveTheLine) {
+  for (const int length : {1, 2, 3, 5, 10, 20, 45}) {
+    const auto misses = [&](int i) { return i % (2 * length + 33) < length; };  // all places of the motion, in time
+    EXPECT_LT(bridge(nod, 100.0, misses).worst, 0.0005) << length;
+    EXPECT_LT(bridge(zigzag, 100.0, misses).worst, 0.0005) << length;
+    EXPECT_LT(bridge(nod, 50.0, misses).worst, 0.0005) << length;
+  }
+}
+
+TEST(TiltTrack, gapsInARowAreNoBetterThanOne) {
+  std::mt19937 random(7);
+  for (const double lost : {0.1, 0.3, 0.5}) {
+    const auto misses = [&](int) { return std::bernoulli_distribution(lost)(random); };
+    EXPECT_LT(bridge(nod, 100.0, misses).worst, 0.0005) << lost;
+    EXPECT_LT(bridge(zigzag, 100.0, misses).worst, 0.004) << lost;  // turning in half the intervals, nothing tells it
+  }
+}
+
+TEST(TiltTrack, aSampleMissingNowAndThenCostsNothing) {
+  const auto misses = [](int i) { return i % 20 == 7; };
+  EXPECT_EQ(bridge(nod, 100.0, misses).dropped, 0.0);
+  EXPECT_LT(bridge(zigzag, 100.0, misses).dropped, 0.001);
+  EXPECT_EQ(bridge([](double t) { return nod(0.2 * t); }, 50.0, misses).dropped, 0.0);
+}
+
+TEST(TiltTrack, aLongGapInSteadyMotionIsBridged) {
+  const auto misses = [](int i) { return i % 200 > 80 && i % 200 < 120; };
+  const Bridged across = bridge([](double t) { return 0.3 * t; }, 100.0, misses);
+  EXPECT_EQ(across.dropped, 0.0);
+  EXPECT_LT(across.worst, 1e-9);
+}
+
+TEST(TiltTrack, aCoarseEncoderLosesFewLinesInGaps) {
+  const auto misses = [](int i) { return i % 20 == 7; };
+  const auto slow = [](double t) { return nod(0.2 * t); };
+  for (const double step : {0.0017, 0.005}) {
+    const Bridged across = bridge(slow, 100.0, misses, step);
+    EXPECT_LT(across.dropped, 0.02) << step;  // a tenth of the time is in gaps
+    EXPECT_LT(across.worst, 0.51 * step + 0.0005) << step;
+  }
+}
+
+TEST(TiltTrack, aGapIsJudgedOnceTheMotionAfterItIsKnown) {
+  TiltTrack track;
+  for (int i = 0; i < 50; ++i) track.add(1.0 + 0.01 * i, 0.005 * i);
   double angle = 0.0;
-  ASSERT_EQ(track.lookup(11.05, angle), Status::kReady);  // close to the middle, where the motor is fast
-  EXPECT_NEAR(angle, tilt(1.05), 0.005);
-  EXPECT_EQ(track.lookup(11.95, angle), Status::kGap);  // around its turning point
-  EXPECT_EQ(track.lookup(12.15, angle), Status::kReady);
+  for (int i = 60; i < 71; ++i) {
+    EXPECT_EQ(track.lookup(1.55, angle), Status::kTooNew) << i;
+    EXPECT_EQ(track.lookup(1.485, angle), Status::kReady) << i;
+    track.add(1.0 + 0.01 * i, 0.005 * i);
+  }
+  track.add(1.71, 0.355);
+  ASSERT_EQ(track.lookup(1.55, angle), Status::kReady);
+  EXPECT_NEAR(angle, 0.275, 1e-12);
 }
 
 TEST(TiltTrack, aMotorThatStepsOrAnEncoderReadSlowlyIsNotFrozen) {

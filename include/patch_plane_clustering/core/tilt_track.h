@@ -12,7 +12,7 @@ struct TiltTrackOptions {
   double max_gap = 0.5;         ///< never interpolate between samples further apart than this [s]
   double max_speed = 10.0;      ///< a sample that asks for a faster motor is suspect [rad/s]
   std::size_t capacity = 8192;  ///< samples kept; the oldest are forgotten
-  double max_bend = 0.005;      ///< samples missing: no tilt where the motion before says it may be off by more [rad]
+  double max_bend = 0.0005;     ///< samples missing: no tilt where the motion around says it may be off by more [rad]
 };
 
 /// @brief Angle of the tilt joint over time, from its samples.
@@ -23,14 +23,18 @@ struct TiltTrackOptions {
 ///
 /// A jump of the angle after samples that were all alike means that the encoder was frozen while the motor went on, and so
 /// does a smaller leap to where steady motion before the alike samples leads: then there is no tilt for the time between. A
-/// motor that moves in steps looks different: it stood before. Not thread-safe.
+/// motor that moves in steps looks different: it stood before.
+///
+/// Where samples are missing, a straight line is drawn only if the speeds before and after agree with it: the cubic through
+/// both ends with these speeds (Hermite's) may leave it by `max_bend`, or by what a coarse encoder leaves it anyway. So a time
+/// in such a gap is told once the samples after it are there, as many as span the gap again. Not thread-safe.
 class TiltTrack {
  public:
   enum class Status {
     kReady,   ///< interpolated between two bracketing samples
-    kTooNew,  ///< later than the newest sample: it may come
+    kTooNew,  ///< later than the newest sample, or than those that judge the gap it lies in: it may come
     kTooOld,  ///< earlier than the oldest sample
-    kGap      ///< the bracketing samples are too far apart, a jump lies between them, or they were frozen
+    kGap      ///< the bracketing samples are too far apart for the motion, a jump lies between them, or they were frozen
   };
   struct Counts {
     std::uint64_t accepted = 0;
@@ -70,7 +74,11 @@ class TiltTrack {
   bool follows(const Sample& previous, const Sample& next) const;
   bool turnsBack(const Sample& sample);
   void append(const Sample& sample, bool after_jump);
-  bool bends(std::size_t after) const;
+  bool samplesMissBefore(std::size_t after) const;
+  std::size_t windowBefore(std::size_t last, double span) const;
+  std::size_t windowAfter(std::size_t first, double span) const;
+  double coarsenessBefore(std::size_t last) const;
+  Status judgeGap(std::size_t after) const;
   std::size_t frozenFrom() const;
   bool thawsWith(const Sample& sample) const;
   void discardFrozen();
