@@ -256,7 +256,7 @@ TEST(SweepAssembler, aChangeOfLayoutStartsANewSweep) {
   ScanLine other = rig.line(kStart + 1.0);
   other.ranges.resize(91);
   rig.assembler.push(other);
-  rig.sample(kStart + 1.1);
+  for (const double t : {1.0, 1.01, 1.02}) rig.sample(kStart + t);
   EXPECT_EQ(rig.assembler.accounts().layout_changes, 1U);
   ASSERT_EQ(rig.sweeps.size(), 1U);
   EXPECT_EQ(rig.sweeps[0].end, SweepEnd::kLayoutChange);
