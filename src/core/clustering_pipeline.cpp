@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/clustering_pipeline.h"
 
-#include "patch_plane_clustering/core/judged_image.h"
 #include "patch_plane_clustering/core/parallel.h"
 #include "patch_plane_clustering/core/range_limit.h"
 #include "patch_plane_clustering/core/run_listing.h"
@@ -17,10 +16,13 @@ constexpr int kGapCols = 2;        // pixels that a piece may leap
 
 PatchComparison comparisonOf(const Config& config) { return {config.running_plane, config.noise_aware}; }
 
-// The same angle across the lines of the middle of an image, where they lie apart.
-int gapRows(const PatchGrid& patches) {
-  return kGapCols * std::max(1, patches.strip_rows[patches.strips() / 2] / patches.strip_cols);
+// Rows that span the angle of a column in the middle of an image.
+double rowsPerColumn(const PatchGrid& patches) {
+  return static_cast<double>(patches.strip_rows[patches.strips() / 2]) / patches.strip_cols;
 }
+
+// The same angle across the lines of the middle of an image, where they lie apart.
+int gapRows(const PatchGrid& patches) { return kGapCols * std::max(1, static_cast<int>(rowsPerColumn(patches))); }
 
 }  // namespace
 
@@ -193,6 +195,30 @@ void ClusteringPipeline::takePieces(bool runs_known) {
   timer_.lap("borders");
 }
 
+// Along the planes of whole regions. `runs` are those of the labels before, and `planes` their planes.
+void ClusteringPipeline::drawBorders(const JudgedImage& image, std::vector<LabelRun>& runs,
+                                     std::vector<Eigen::Vector3d>& planes) {
+  CreaseMeetings& meetings = memory_.meetings;
+  const auto find_meetings = [&] {
+    findCreaseMeetings(runs, labels_.rows, labels_.cols, planes.size(), smallest_, meetings);
+  };
+  const auto find_again = [&] {
+    listRuns(labels_, memory_.borders.listing, runs, config_.threads);
+    find_meetings();
+  };
+  find_meetings();
+  if (config_.settle_low_steps && config_.noise_aware) {
+    if (settleLowSteps(image, meetings, runs, rowsPerColumn(memory_.patches), memory_.low_steps, planes, labels_))
+      find_again();
+    if (config_.merge && reuniteRegions(image, meetings, runs, memory_.region_reunion, planes, labels_)) find_again();
+    timer_.lap("low steps");
+  }
+  if (config_.align_creases) {
+    alignCreases(image, planes, meetings, memory_.creases, labels_, config_.threads);
+    timer_.lap("creases");
+  }
+}
+
 void ClusteringPipeline::finishRegions() {
   const JudgedImage image{grid_, memory_.patches.center, errors_.noise, errors_.tolerance, smallest_};
   std::vector<LabelRun>& runs = memory_.borders.settled;  // of the labels, until creases are aligned
@@ -219,10 +245,7 @@ void ClusteringPipeline::finishRegions() {
     timer_.lap("holes");
   }
   if (changed) list_again();
-  if (config_.refine && config_.align_creases) {
-    alignCreases(image, planes, memory_.creases, runs, labels_, config_.threads);
-    timer_.lap("creases");
-  }
+  if (config_.refine && (config_.settle_low_steps || config_.align_creases)) drawBorders(image, runs, planes);
   if (config_.trim_regions && config_.noise_aware) {
     trimRegions(image, memory_.trimming, labels_, config_.threads);
     timer_.lap("trimming");

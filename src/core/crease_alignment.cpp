@@ -11,7 +11,7 @@
 namespace ppc {
 namespace {
 
-using LabelPair = CreaseMeetings::Pair;
+using Pair = CreaseMeetings::Pair;
 using Worker = CreaseMemory::Worker;
 using Change = CreaseMemory::Change;
 
@@ -34,7 +34,7 @@ class CreaseAligner {
         labels_(labels) {}
 
   // Lists what is to change between two labels.
-  void align(const LabelPair& pair, Worker& worker, std::vector<Change>& changes) const {
+  void align(const Pair& pair, Worker& worker, std::vector<Change>& changes) const {
     changes.clear();
     lookAround(pair, worker);
     int witnesses = 0, farther = 0;  // those of them that are of the farther plane, as at the edge of a box
@@ -49,7 +49,7 @@ class CreaseAligner {
 
  private:
   // Collects the pixels on both sides of the meetings, as far as they are of either label.
-  void lookAround(const LabelPair& pair, Worker& worker) const {
+  void lookAround(const Pair& pair, Worker& worker) const {
     worker.near.resize(grid_.size());
     CreaseBand band(labels_, pair.first, pair.second, kReach, worker.near);
     for (int m = pair.begin; m < pair.end; ++m) {
@@ -63,7 +63,7 @@ class CreaseAligner {
   }
 
   // Compares both planes at the pixels near a border, four at a time.
-  void compare(const LabelPair& pair, Worker& worker, int& witnesses, int& farther) const {
+  void compare(const Pair& pair, Worker& worker, int& witnesses, int& farther) const {
     const CreaseLanes planes(planes_[pair.first], planes_[pair.second], center_);
     const LaneMask first = fillMask(pair.first);
     const bool one_origin = grid_.origin_x.empty();
@@ -99,14 +99,13 @@ class CreaseAligner {
 
 }  // namespace
 
-void alignCreases(const JudgedImage& image, const std::vector<Eigen::Vector3d>& planes, CreaseMemory& memory,
-                  const std::vector<LabelRun>& runs, LabelImage& labels, int threads) {
-  findCreaseMeetings(runs, labels.rows, labels.cols, planes.size(), image.smallest, memory.meetings);
-  const std::vector<LabelPair>& pairs = memory.meetings.pairs;
+void alignCreases(const JudgedImage& image, const std::vector<Eigen::Vector3d>& planes, const CreaseMeetings& meetings,
+                  CreaseMemory& memory, LabelImage& labels, int threads) {
+  const std::vector<CreaseMeetings::Pair>& pairs = meetings.pairs;
   if (pairs.empty()) return;
   if (memory.changes.size() < pairs.size()) memory.changes.resize(pairs.size());
   memory.variance.set(image.noise, image.tolerance);
-  const CreaseAligner aligner(image, planes, memory.variance, memory.meetings, labels);
+  const CreaseAligner aligner(image, planes, memory.variance, meetings, labels);
   forEachPart(threads, static_cast<int>(pairs.size()), memory.workers, [&](int k, Worker& kept) {
     Worker worker;  // on the thread's own stack: counts of two threads in one line of the cache would slow both
     std::swap(worker, kept);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/core/label_reunion.h"
 
+#include "patch_plane_clustering/core/label_joining.h"
 #include "patch_plane_clustering/core/whole_tolerance.h"
 
 #include <algorithm>
 #include <cstddef>
-#include <numeric>
 
 namespace ppc {
 namespace {
@@ -55,23 +55,10 @@ void reuniteLabels(int rows, int cols, const CellShares& shares, const NoiseMode
     if (m <= kMostMisfit) memory.candidates.emplace_back(m, LabelPair(a, b));
   }
   if (memory.candidates.empty()) return;
-  std::sort(memory.candidates.begin(), memory.candidates.end());
-  memory.names.resize(count);
-  std::iota(memory.names.begin(), memory.names.end(), 0);
   memory.sums = shares.sums;
-  const auto nameOf = [&](std::int32_t label) {
-    while (memory.names[label] != label) label = memory.names[label];
-    return label;
-  };
-  for (const auto& [m, pair] : memory.candidates) {
-    const std::int32_t a = nameOf(pair.first), b = nameOf(pair.second);
-    if (a == b || misfitOf(memory.sums[a], memory.sums[b], noise, tolerance) > kMostMisfit) continue;
-    const std::int32_t kept = std::min(a, b), joined = std::max(a, b);
-    memory.names[joined] = kept;
-    memory.sums[kept] += memory.sums[joined];
-    planes[kept] = fitPlane(memory.sums[kept]).a;
-  }
-  for (std::size_t label = 0; label < count; ++label) memory.names[label] = nameOf(static_cast<std::int32_t>(label));
+  joinLabels(
+      kMostMisfit, [&](const Moments& a, const Moments& b) { return misfitOf(a, b, noise, tolerance); }, memory.candidates,
+      memory.sums, memory.names, planes);
   for (std::int32_t& label : pieces.whole) label = memory.names[label];
   renameRuns(memory.names, runs);
 }

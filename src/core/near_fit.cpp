@@ -11,6 +11,18 @@ constexpr int kFewestPoints = 4;
 
 }  // namespace
 
+void sumNear(const JudgedImage& image, const std::vector<LabelRun>& runs, const std::vector<char>& wanted,
+             const std::vector<Eigen::Vector3d>& planes, std::vector<Moments>& sums) {
+  sums.assign(planes.size(), Moments());
+  for (const LabelRun& run : runs) {
+    if (wanted[run.label] == 0) continue;
+    for (int i = run.begin; i < run.end; ++i) {
+      const RegionPoint point = regionPointAt(image, i);
+      if (isNear(point, planes[run.label])) addPoint(point, sums[run.label]);
+    }
+  }
+}
+
 NearFit fitNear(const JudgedImage& image, const PixelStretch* begin, const PixelStretch* end,
                 std::vector<RegionPoint>& points) {
   const BeamGrid& grid = image.grid;
@@ -19,11 +31,9 @@ NearFit fitNear(const JudgedImage& image, const PixelStretch* begin, const Pixel
   for (const PixelStretch* stretch = begin; stretch != end; ++stretch) {
     for (int i = stretch->begin; i < stretch->end; ++i) {
       if (!grid.valid(i)) continue;
-      const Eigen::Vector3d at = grid.point(i).cast<double>() - image.center;
-      const double sigma = image.noise.sigmaAt(i, grid.range[i]), floor = image.tolerance.forNoise(sigma).sigma_distance;
-      const double variance = sigma * sigma + floor * floor;
-      points.push_back({at, at.squaredNorm() / variance, i});
-      variances += variance;
+      const double sigma = image.noise.sigmaAt(i, grid.range[i]);
+      points.push_back(regionPointAt(image, i, sigma));
+      variances += points.back().at.squaredNorm() / points.back().weight;
       noises += sigma * sigma;
     }
   }
@@ -35,7 +45,7 @@ NearFit fitNear(const JudgedImage& image, const PixelStretch* begin, const Pixel
     Moments sum;
     for (const RegionPoint& point : points) {
       if (k > 0 && !(point.squaredError(fit.a) < RegionPoint::kFarthest2)) continue;
-      sum.add(point.at.x(), point.at.y(), point.at.z(), point.weight);
+      addPoint(point, sum);
     }
     fit.points = sum.n;
     if (sum.n < kFewestPoints) {

@@ -35,11 +35,12 @@ struct Scene {
   LabelImage aligned(LabelImage labels, int smallest = 3) const {
     CreaseMemory memory;
     LabelImage again = labels;
-    const std::vector<LabelRun> runs = labelRuns(labels);
+    CreaseMeetings meetings;
+    findCreaseMeetings(labelRuns(labels), labels.rows, labels.cols, planes.size(), smallest, meetings);
     const JudgedImage image{grid, Eigen::Vector3d::Zero(), kNoise, kTolerance, smallest};
-    alignCreases(image, planes, memory, runs, labels);
+    alignCreases(image, planes, meetings, memory, labels);
     // With memory as left.
-    alignCreases(image, planes, memory, runs, again, 2);
+    alignCreases(image, planes, meetings, memory, again, 2);
     EXPECT_EQ(again.labels, labels.labels);
     return labels;
   }

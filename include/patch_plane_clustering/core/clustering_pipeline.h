@@ -4,11 +4,15 @@
 #include "patch_plane_clustering/core/beam_grid.h"
 #include "patch_plane_clustering/core/config.h"
 #include "patch_plane_clustering/core/image_errors.h"
+#include "patch_plane_clustering/core/judged_image.h"
+#include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/segmentation.h"
 #include "patch_plane_clustering/core/segmentation_memory.h"
 #include "patch_plane_clustering/core/stage_timer.h"
 
+#include <Eigen/Core>
 #include <cstdint>
+#include <vector>
 
 namespace ppc {
 
@@ -38,6 +42,7 @@ class ClusteringPipeline {
   void addSmallRegions(std::int32_t first);
   bool secondPass();
   void takePieces(bool runs_known);
+  void drawBorders(const JudgedImage& image, std::vector<LabelRun>& runs, std::vector<Eigen::Vector3d>& planes);
   void finishRegions();
 
   const BeamGrid& grid_;

@@ -28,7 +28,6 @@ struct CreaseMemory {
     PixelSet near;                ///< pixels near the border of a pair; empty in between
     std::vector<Candidate> open;  ///< of a pair
   };
-  CreaseMeetings meetings;
   DistanceVariance variance;
   std::vector<std::vector<Change>> changes;  ///< of each pair, and maybe more lists
   std::vector<Worker> workers;
@@ -41,9 +40,8 @@ struct CreaseMemory {
 /// line each of them is seen is taken from points near the border, at which the planes are more than the noise apart; where
 /// those do not agree (at a step, a picture on a wall, an edge in front of something else) the border is left as it is.
 /// A point changes its label only if the planes are within noise of each other along its beam, and it of the other one.
-/// Regions of fewer points than JudgedImage::smallest take no part.
-/// @param planes a (see moments.h) of every label. @param runs of the labels as they come, see listRuns().
-void alignCreases(const JudgedImage& image, const std::vector<Eigen::Vector3d>& planes, CreaseMemory& memory,
-                  const std::vector<LabelRun>& runs, LabelImage& labels, int threads = 1);
+/// @param planes a (see moments.h) of every label. @param meetings of those labels that take part.
+void alignCreases(const JudgedImage& image, const std::vector<Eigen::Vector3d>& planes, const CreaseMeetings& meetings,
+                  CreaseMemory& memory, LabelImage& labels, int threads = 1);
 
 }  // namespace ppc

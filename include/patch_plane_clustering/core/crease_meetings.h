@@ -26,11 +26,20 @@ struct CreaseMeetings {
   std::vector<Pair> pairs;  ///< ascending
   std::vector<Place> places;
 
+  /// Calls f(pixel) for every pixel of a pair that meets the one before it or the one above it.
+  template <typename F>
+  void forEachPixel(const Pair& pair, const F& f) const {
+    for (int m = pair.begin; m < pair.end; ++m) {
+      const Place& place = places[m];
+      for (int k = 0; k < std::max(1, place.columns); ++k) f(place.pixel + k);
+    }
+  }
+
   struct Meeting {
     int pair;  ///< its index
     Place place;
   };
-  std::vector<int> points;        ///< scratch: of each label
+  std::vector<int> points;        ///< of each label
   std::vector<Meeting> meetings;  ///< scratch: in scan order
   std::vector<int> next;          ///< scratch: of each pair, by index
   RowRuns runs;                   ///< scratch

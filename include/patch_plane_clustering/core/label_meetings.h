@@ -12,9 +12,6 @@
 
 namespace ppc {
 
-/// Two labels, the lower one first.
-using LabelPair = std::pair<std::int32_t, std::int32_t>;
-
 /// @brief Two labels that meet, at two cells or in one.
 struct Meeting {
   std::uint64_t key;  ///< both labels in one number, quick to sort by

@@ -11,6 +11,9 @@
 
 namespace ppc {
 
+/// Two labels, the lower one first.
+using LabelPair = std::pair<std::int32_t, std::int32_t>;
+
 /// @brief Numbers pairs of labels in the order in which they are met first.
 class LabelPairIndex {
  public:
@@ -50,7 +53,6 @@ class LabelPairIndex {
 /// @brief Finds pairs of labels that are next to each other in a row or a column, or parted by up to `gap` pixels.
 /// @param labels one more than the highest label. @param index overwritten. @param pairs set to them, lower label first, in
 /// ascending order.
-void findTouching(const RowRuns& runs, int gap, std::size_t labels, LabelPairIndex& index,
-                  std::vector<std::pair<std::int32_t, std::int32_t>>& pairs);
+void findTouching(const RowRuns& runs, int gap, std::size_t labels, LabelPairIndex& index, std::vector<LabelPair>& pairs);
 
 }  // namespace ppc

@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/border_settlement.h"
 #include "patch_plane_clustering/core/cell_shares.h"
+#include "patch_plane_clustering/core/label_joining.h"
 #include "patch_plane_clustering/core/label_meetings.h"
 #include "patch_plane_clustering/core/label_pairs.h"
 #include "patch_plane_clustering/core/noise_model.h"
@@ -10,7 +11,6 @@
 #include "patch_plane_clustering/core/similarity.h"
 
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 namespace ppc {
@@ -20,10 +20,10 @@ struct ReunionMemory {
   RowRuns rows;
   LabelPairIndex index;
   std::vector<LabelPair> touching;
-  std::vector<char> has_region;                          ///< whether each label has a piece that is a planar region
-  std::vector<Moments> sums;                             ///< of the labels
-  std::vector<std::pair<double, LabelPair>> candidates;  ///< misfit and labels
-  std::vector<std::int32_t> names;                       ///< of the labels
+  std::vector<char> has_region;  ///< whether each label has a piece that is a planar region
+  std::vector<Moments> sums;     ///< of the labels
+  std::vector<JoinCandidate> candidates;
+  std::vector<std::int32_t> names;  ///< of the labels
 };
 
 /// @brief Makes one label of two that touch only since borders were contested, and have one plane: what lay between them, a

@@ -3,6 +3,8 @@
 
 #include "patch_plane_clustering/core/beam_fit.h"
 #include "patch_plane_clustering/core/judged_image.h"
+#include "patch_plane_clustering/core/label_runs.h"
+#include "patch_plane_clustering/core/moments.h"
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -18,6 +20,9 @@ struct RegionPoint {
   double weight;       ///< see Moments: of noise and CoplanarityTolerance::sigma_distance
   int pixel;           ///< where it is in the image
 
+  /// One standard deviation of its range [m].
+  double deviation() const { return at.norm() / std::sqrt(weight); }
+
   /// Error at which a point is an outlier, squared, in variances.
   static constexpr double kFarthest2 = 16.0;
 
@@ -27,6 +32,33 @@ struct RegionPoint {
     return along > 0.0 ? weight * missed * missed / (along * along) : std::numeric_limits<double>::infinity();
   }
 };
+
+/// @brief The measurement at a pixel that has one. @param sigma standard deviation of its noise [m].
+inline RegionPoint regionPointAt(const JudgedImage& image, int pixel, double sigma) {
+  const Eigen::Vector3d at = image.grid.point(pixel).cast<double>() - image.center;
+  const double floor = image.tolerance.forNoise(sigma).sigma_distance;
+  return {at, at.squaredNorm() / (sigma * sigma + floor * floor), pixel};
+}
+
+/// @brief The measurement at any pixel; of weight 0 if there is none.
+inline RegionPoint regionPointAt(const JudgedImage& image, int pixel) {
+  if (!image.grid.valid(pixel)) return {Eigen::Vector3d::Zero(), 0.0, pixel};
+  return regionPointAt(image, pixel, image.noise.sigmaAt(pixel, image.grid.range[pixel]));
+}
+
+/// @brief Whether it is a measurement, and no outlier of plane `a` (see moments.h).
+inline bool isNear(const RegionPoint& point, const Eigen::Vector3d& a) {
+  return point.weight > 0.0 && point.squaredError(a) < RegionPoint::kFarthest2;
+}
+
+inline void addPoint(const RegionPoint& point, Moments& sum) {
+  sum.add(point.at.x(), point.at.y(), point.at.z(), point.weight);
+}
+
+/// @brief Moments of labels: of those of their points that are near their planes. @param wanted whether those of each label
+/// are. @param planes a (see moments.h) of every label. @param sums overwritten; index = label.
+void sumNear(const JudgedImage& image, const std::vector<LabelRun>& runs, const std::vector<char>& wanted,
+             const std::vector<Eigen::Vector3d>& planes, std::vector<Moments>& sums);
 
 /// @brief The plane of those points of a region that are near it.
 struct NearFit {

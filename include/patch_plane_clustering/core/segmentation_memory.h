@@ -6,10 +6,12 @@
 #include "patch_plane_clustering/core/clustering.h"
 #include "patch_plane_clustering/core/connected_pieces.h"
 #include "patch_plane_clustering/core/crease_alignment.h"
+#include "patch_plane_clustering/core/crease_meetings.h"
 #include "patch_plane_clustering/core/curvature.h"
 #include "patch_plane_clustering/core/hole_filling.h"
 #include "patch_plane_clustering/core/label_reunion.h"
 #include "patch_plane_clustering/core/line_errors.h"
+#include "patch_plane_clustering/core/low_steps.h"
 #include "patch_plane_clustering/core/noise_correlation.h"
 #include "patch_plane_clustering/core/noise_model.h"
 #include "patch_plane_clustering/core/patch_grid.h"
@@ -19,6 +21,7 @@
 #include "patch_plane_clustering/core/region_dissolution.h"
 #include "patch_plane_clustering/core/region_extension.h"
 #include "patch_plane_clustering/core/region_merging.h"
+#include "patch_plane_clustering/core/region_reunion.h"
 #include "patch_plane_clustering/core/region_splitting.h"
 #include "patch_plane_clustering/core/region_statistics.h"
 #include "patch_plane_clustering/core/region_trimming.h"
@@ -80,6 +83,9 @@ struct ClusteringMemory {
   SmallPlaneMemory small_planes;
   ExtensionMemory extension;
   HoleMemory holes;
+  CreaseMeetings meetings;
+  LowStepMemory low_steps;
+  RegionReunionMemory region_reunion;
   CreaseMemory creases;
   TrimmingMemory trimming;
   FinishingMemory finishing;
