@@ -48,6 +48,7 @@ ABLATIONS = {
     'second pass': ['--set', 'second_pass=false'],
     'splitting of regions': ['--set', 'split_regions=false'],
     'settlement of borders': ['--set', 'settle_borders=false'],
+    'steps lower than noise': ['--set', 'settle_low_steps=false'],
     'planes of small regions fitted anew': ['--set', 'refit_regions=false'],
     'dissolution of regions': ['--set', 'dissolve_regions=false'],
     'trimming of regions': ['--set', 'trim_regions=false'],

@@ -275,9 +275,10 @@ TEST(Segmenter, ABoxRoomHasSixFacesAlsoTowardsThePoles) {
 
 TEST(Segmenter, ARoomKeepsItsFacesWithoutAnyOneOfTheLaterSteps) {
   const BoxRoom room;
-  for (const char* name : {"clear_strays", "thin_standing_lines", "thin_smooth_noise", "noise_by_surface",
-                           "avoid_range_limit", "refine", "second_pass", "split_regions", "settle_borders", "refit_regions",
-                           "dissolve_regions", "align_creases", "trim_regions", "extend_regions", "fill_holes"}) {
+  for (const char* name :
+       {"clear_strays", "thin_standing_lines", "thin_smooth_noise", "noise_by_surface", "avoid_range_limit", "refine",
+        "second_pass", "split_regions", "settle_borders", "settle_low_steps", "refit_regions", "dissolve_regions",
+        "align_creases", "trim_regions", "extend_regions", "fill_holes"}) {
     SCOPED_TRACE(name);
     Config config;
     setConfigField(config, name, 0.0);
