@@ -195,7 +195,8 @@ void ClusteringPipeline::takePieces(bool runs_known) {
   timer_.lap("borders");
 }
 
-// Along the planes of whole regions. `runs` are those of the labels before, and `planes` their planes.
+// Draws borders along the planes of whole regions, and joins regions that touch then and have one plane. `runs` are those
+// of the labels until creases are aligned.
 void ClusteringPipeline::drawBorders(const JudgedImage& image, std::vector<LabelRun>& runs,
                                      std::vector<Eigen::Vector3d>& planes) {
   CreaseMeetings& meetings = memory_.meetings;
@@ -210,8 +211,9 @@ void ClusteringPipeline::drawBorders(const JudgedImage& image, std::vector<Label
   if (config_.settle_low_steps && config_.noise_aware) {
     if (settleLowSteps(image, meetings, runs, rowsPerColumn(memory_.patches), memory_.low_steps, planes, labels_))
       find_again();
-    if (config_.merge && reuniteRegions(image, meetings, runs, memory_.region_reunion, planes, labels_)) find_again();
     timer_.lap("low steps");
+    if (config_.merge && reuniteRegions(image, meetings, runs, memory_.region_reunion, planes, labels_)) find_again();
+    timer_.lap("reunion");
   }
   if (config_.align_creases) {
     alignCreases(image, planes, meetings, memory_.creases, labels_, config_.threads);

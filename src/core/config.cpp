@@ -58,8 +58,9 @@ std::vector<ConfigField> makeFields() {
                 "split regions that two planes explain far better than one, in the second pass"),
       PPC_FIELD("settle_borders", Type::kBool, 0, 1, settle_borders,
                 "let regions that meet compete once more for the points along their borders, after the last merge"),
-      PPC_FIELD("settle_low_steps", Type::kBool, 0, 1, settle_low_steps,
-                "draw borders at steps that noise hides from single points by many of them, join regions that meet then"),
+      PPC_FIELD(
+          "settle_low_steps", Type::kBool, 0, 1, settle_low_steps,
+          "draw borders at steps that noise hides from single points by many, join regions that touch and have one plane"),
       PPC_FIELD("refit_regions", Type::kBool, 0, 1, refit_regions,
                 "fit the planes of small regions to the points that they have, before borders follow these planes"),
       PPC_FIELD("dissolve_regions", Type::kBool, 0, 1, dissolve_regions,

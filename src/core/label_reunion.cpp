@@ -52,13 +52,12 @@ void reuniteLabels(int rows, int cols, const CellShares& shares, const NoiseMode
     const Moments &first = shares.sums[a], &second = shares.sums[b];
     if (std::min(first.n, second.n) < kFewestPoints) continue;
     const double m = misfitOf(first, second, noise, tolerance);
-    if (m <= kMostMisfit) memory.candidates.emplace_back(m, LabelPair(a, b));
+    if (m <= kMostMisfit) memory.candidates.push_back({m, kMostMisfit, {a, b}});
   }
   if (memory.candidates.empty()) return;
   memory.sums = shares.sums;
-  joinLabels(
-      kMostMisfit, [&](const Moments& a, const Moments& b) { return misfitOf(a, b, noise, tolerance); }, memory.candidates,
-      memory.sums, memory.names, planes);
+  joinLabels([&](const Moments& a, const Moments& b) { return misfitOf(a, b, noise, tolerance); }, memory.candidates,
+             memory.sums, memory.names, planes);
   for (std::int32_t& label : pieces.whole) label = memory.names[label];
   renameRuns(memory.names, runs);
 }

@@ -8,12 +8,12 @@
 #include <cmath>
 #include <cstddef>
 #include <numeric>
+#include <utility>
 
 namespace ppc {
 namespace {
 
-constexpr double kParallel = 0.985;  // least cosine between the planes
-constexpr int kFewestMeetings = 15;
+constexpr int kFewestMeetings = 15, kFewestPoints = 6;
 constexpr double kHighest = 1.0;   // step, in standard deviations: others are told by fewer points
 constexpr double kLowest = 2.0;    // in tolerances of distance
 constexpr double kEvidence = 8.0;  // mean log-likelihood ratio of a window
@@ -84,14 +84,14 @@ class LowStepSettler {
     for (std::size_t k = 0; k < meetings_.pairs.size(); ++k) {
       const Pair& pair = meetings_.pairs[k];
       const Eigen::Vector3d &a = planes_[pair.first], &b = planes_[pair.second];
-      if (a.dot(b) < kParallel * a.norm() * b.norm()) continue;
+      if (!areAlmostParallel(a, b)) continue;
       const PlaneDistance distance = distanceAt(image_, meetings_, pair, a, b);
       const bool is_low = distance.in_sigmas < kHighest && distance.in_tolerances > kLowest;
       if (distance.meetings < kFewestMeetings || !is_low) continue;
       memory_.steps.push_back({static_cast<int>(k), distance.meetings, distance.in_sigmas});
     }
-    std::stable_sort(memory_.steps.begin(), memory_.steps.end(),
-                     [](const Step& a, const Step& b) { return a.meetings > b.meetings; });
+    std::sort(memory_.steps.begin(), memory_.steps.end(),
+              [](const Step& a, const Step& b) { return std::pair(-a.meetings, a.pair) < std::pair(-b.meetings, b.pair); });
   }
 
   void sumLabels(const std::vector<LabelRun>& runs) {
@@ -140,7 +140,7 @@ class LowStepSettler {
       if (!draw(pair, rectangle)) break;
       changed = true;
       for (const std::int32_t label : {pair.first, pair.second}) {
-        if (memory_.wanted[label] != 0 && memory_.sums[label].n > image_.smallest / 2)
+        if (memory_.wanted[label] != 0 && memory_.sums[label].n >= std::max(kFewestPoints, image_.smallest / 2))
           planes_[label] = fitPlane(memory_.sums[label]).a;
       }
     }

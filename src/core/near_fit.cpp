@@ -33,7 +33,7 @@ NearFit fitNear(const JudgedImage& image, const PixelStretch* begin, const Pixel
       if (!grid.valid(i)) continue;
       const double sigma = image.noise.sigmaAt(i, grid.range[i]);
       points.push_back(regionPointAt(image, i, sigma));
-      variances += points.back().at.squaredNorm() / points.back().weight;
+      variances += varianceOf(image, sigma);
       noises += sigma * sigma;
     }
   }

@@ -14,13 +14,15 @@ PlaneDistance distanceAt(const JudgedImage& image, const CreaseMeetings& meeting
   int points = 0;
   meetings.forEachPixel(pair, [&](int pixel) {
     ++distance.meetings;
-    const RegionPoint point = regionPointAt(image, pixel);
+    if (!image.grid.valid(pixel)) return;
+    const double sigma = image.noise.sigmaAt(pixel, image.grid.range[pixel]);
+    const RegionPoint point = regionPointAt(image, pixel, sigma);
     const double along_a = a.dot(point.at), along_b = b.dot(point.at);
-    if (!(point.weight > 0.0 && along_a > 0.0 && along_b > 0.0)) return;
-    const double apart = point.at.norm() * std::abs(1.0 / along_a - 1.0 / along_b), deviation = point.deviation();
+    if (!(along_a > 0.0 && along_b > 0.0)) return;
+    const double apart = point.at.norm() * std::abs(1.0 / along_a - 1.0 / along_b);
     ++points;
-    distance.in_sigmas += apart / deviation;
-    distance.in_tolerances += apart / image.tolerance.forNoise(deviation).sigma_distance;
+    distance.in_sigmas += apart / point.deviation();
+    distance.in_tolerances += apart / image.tolerance.forNoise(sigma).sigma_distance;
   });
   if (points == 0) {
     distance.in_sigmas = distance.in_tolerances = std::numeric_limits<double>::infinity();

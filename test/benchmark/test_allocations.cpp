@@ -75,6 +75,16 @@ TEST_F(Allocations, OfSmoothNoiseAreNoneAfterTheFirstFrame) {
   for (int k = 1; k < 4; ++k) EXPECT_EQ(allocationsOf(frame), 0) << "in frame " << k;
 }
 
+TEST_F(Allocations, OfStepsLowerThanNoiseAreNoneAfterTheFirstFrame) {
+  grid_ = forwardBeams(160, 240, 0.004);
+  scanPaneBehind(0.03, grid_);
+  addNoise(grid_, 0.04);
+  const auto frame = [&] { segment(grid_, config_, memory_, result_); };
+  frame();
+  ASSERT_FALSE(memory_.low_steps.steps.empty());
+  for (int k = 1; k < 4; ++k) EXPECT_EQ(allocationsOf(frame), 0) << "in frame " << k;
+}
+
 // A cloud in which the motor waits, and half of what is seen is dark.
 TEST_F(Allocations, OfWaitingMotorsAndDarkSurfacesAreNoneAfterTheFirstFrame) {
   RangeImage image = image_;

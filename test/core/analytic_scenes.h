@@ -122,6 +122,18 @@ inline LabelImage scanFaces(const std::vector<Face>& faces, BeamGrid& grid) {
   return scan(surfaces, grid);
 }
 
+/// A wall three metres ahead, label 1, and a pane in it, label 2.
+inline LabelImage scanPane(const Plane& pane, BeamGrid& grid) {
+  const auto in_pane = [](const Eigen::Vector3d& p) { return std::abs(p.y() + 0.2) < 0.4 && std::abs(p.z()) < 0.35; };
+  const auto in_wall = [=](const Eigen::Vector3d& p) { return !in_pane(p); };
+  return scan({surfaceOf({{-Eigen::Vector3d::UnitX(), -3.0}, in_wall}), surfaceOf({pane, in_pane})}, grid);
+}
+
+/// A pane that lies `depth` behind the wall.
+inline LabelImage scanPaneBehind(double depth, BeamGrid& grid) {
+  return scanPane({-Eigen::Vector3d::UnitX(), -3.0 - depth}, grid);
+}
+
 /// Standard normal numbers, the same with every standard library (its distributions are not).
 class Normal {
  public:

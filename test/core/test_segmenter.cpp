@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <algorithm>
 #include <array>
+#include <map>
 #include <string>
 
 namespace ppc {
@@ -283,6 +284,36 @@ TEST(Segmenter, ARoomKeepsItsFacesWithoutAnyOneOfTheLaterSteps) {
     Config config;
     setConfigField(config, name, 0.0);
     expectRegions(room.truth, room.faces, segment(room.grid, config), 0.85);
+  }
+}
+
+// Pixels of the wall or the pane that are not of the region with most of it.
+int strayPixels(const LabelImage& truth, const LabelImage& found) {
+  int stray = 0;
+  for (const std::int32_t face : {1, 2}) {
+    std::map<std::int32_t, int> count;
+    for (std::size_t i = 0; i < truth.labels.size(); ++i) {
+      if (truth.labels[i] == face) ++count[found.labels[i]];
+    }
+    int most = 0;
+    for (const auto& [label, n] : count) most = label > 0 ? std::max(most, n) : most;
+    stray += countOf(truth, face) - most;
+  }
+  return stray;
+}
+
+TEST(Segmenter, APaneThatNoiseHidesFromSinglePointsHasItsBorder) {
+  for (const double depth : {0.025, 0.03}) {
+    BeamGrid grid = forwardBeams(160, 240, 0.004);
+    const LabelImage truth = scanPaneBehind(depth, grid);
+    addNoise(grid, 0.04);
+    Config config;
+    const LabelImage with = segment(grid, config).labels;
+    config.threads = 4;
+    EXPECT_EQ(segment(grid, config).labels.labels, with.labels);
+    config.settle_low_steps = false;
+    const LabelImage without = segment(grid, config).labels;
+    EXPECT_LT(strayPixels(truth, with), 0.9 * strayPixels(truth, without)) << depth;
   }
 }
 

@@ -5,6 +5,7 @@
 #include "patch_plane_clustering/core/row_runs.h"
 #include "patch_plane_clustering/core/segmentation.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -25,8 +26,10 @@ struct CreaseMeetings {
   };
   std::vector<Pair> pairs;  ///< ascending
   std::vector<Place> places;
+  std::vector<int> points;  ///< pixels of each label
 
-  /// Calls f(pixel) for every pixel of a pair that meets the one before it or the one above it.
+  /// Calls f(pixel) for every pixel of a pair that meets the one before it or the one above it, twice for those that meet
+  /// both.
   template <typename F>
   void forEachPixel(const Pair& pair, const F& f) const {
     for (int m = pair.begin; m < pair.end; ++m) {
@@ -39,7 +42,6 @@ struct CreaseMeetings {
     int pair;  ///< its index
     Place place;
   };
-  std::vector<int> points;        ///< of each label
   std::vector<Meeting> meetings;  ///< scratch: in scan order
   std::vector<int> next;          ///< scratch: of each pair, by index
   RowRuns runs;                   ///< scratch

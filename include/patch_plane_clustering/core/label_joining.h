@@ -14,15 +14,23 @@
 
 namespace ppc {
 
-/// @brief Two labels that may be one, and how far they are from that.
-using JoinCandidate = std::pair<double, LabelPair>;
+/// @brief Two labels that may be one.
+struct JoinCandidate {
+  double misfit;  ///< how far they are from that
+  double most;    ///< misfit up to which they are one
+  LabelPair pair;
+
+  bool operator<(const JoinCandidate& other) const {
+    return std::pair(misfit / most, pair) < std::pair(other.misfit / other.most, other.pair);
+  }
+};
 
 /// @brief Joins labels, those that are most alike first, each time with the sums of what has been joined before.
 /// @param candidates sorted by this. @param misfitOf misfitOf(sum, sum): of two labels' sums, as of the candidates.
-/// @param most misfit of labels that are joined. @param sums of the labels; the lower label of what is joined gets all.
+/// @param sums of the labels; the lower label of what is joined gets all.
 /// @param names set to the label that each is part of now. @param planes of labels that others have joined are set anew.
 template <typename F>
-void joinLabels(double most, const F& misfitOf, std::vector<JoinCandidate>& candidates, std::vector<Moments>& sums,
+void joinLabels(const F& misfitOf, std::vector<JoinCandidate>& candidates, std::vector<Moments>& sums,
                 std::vector<std::int32_t>& names, std::vector<Eigen::Vector3d>& planes) {
   std::sort(candidates.begin(), candidates.end());
   names.resize(planes.size());
@@ -31,9 +39,9 @@ void joinLabels(double most, const F& misfitOf, std::vector<JoinCandidate>& cand
     while (names[label] != label) label = names[label];
     return label;
   };
-  for (const auto& [misfit, pair] : candidates) {
-    const std::int32_t a = nameOf(pair.first), b = nameOf(pair.second);
-    if (a == b || misfitOf(sums[a], sums[b]) > most) continue;
+  for (const JoinCandidate& candidate : candidates) {
+    const std::int32_t a = nameOf(candidate.pair.first), b = nameOf(candidate.pair.second);
+    if (a == b || misfitOf(sums[a], sums[b]) > candidate.most) continue;
     const std::int32_t kept = std::min(a, b), joined = std::max(a, b);
     names[joined] = kept;
     sums[kept] += sums[joined];

@@ -33,11 +33,16 @@ struct RegionPoint {
   }
 };
 
+/// @brief Variance of a range, of noise `sigma` and CoplanarityTolerance::sigma_distance [m^2].
+inline double varianceOf(const JudgedImage& image, double sigma) {
+  const double floor = image.tolerance.forNoise(sigma).sigma_distance;
+  return sigma * sigma + floor * floor;
+}
+
 /// @brief The measurement at a pixel that has one. @param sigma standard deviation of its noise [m].
 inline RegionPoint regionPointAt(const JudgedImage& image, int pixel, double sigma) {
   const Eigen::Vector3d at = image.grid.point(pixel).cast<double>() - image.center;
-  const double floor = image.tolerance.forNoise(sigma).sigma_distance;
-  return {at, at.squaredNorm() / (sigma * sigma + floor * floor), pixel};
+  return {at, at.squaredNorm() / varianceOf(image, sigma), pixel};
 }
 
 /// @brief The measurement at any pixel; of weight 0 if there is none.

@@ -15,20 +15,21 @@ namespace ppc {
 
 /// @brief Working memory of reuniteRegions(), which one image after the other may use.
 struct RegionReunionMemory {
-  std::vector<JoinCandidate> alike;  ///< pairs that are looked at, and the excess up to which they are joined
-  std::vector<char> wanted;      ///< labels that are in one
-  std::vector<Moments> sums;     ///< of those labels
-  std::vector<JoinCandidate> candidates;
-  std::vector<std::int32_t> names;  ///< of the labels
+  std::vector<char> wanted;               ///< labels that are in one
+  std::vector<Moments> sums;              ///< of those labels
+  std::vector<JoinCandidate> candidates;  ///< excesses of chi-square, and up to which they are joined
+  std::vector<std::int32_t> names;        ///< of the labels
 };
 
-/// @brief Makes one region of two that touch and have one plane: chi-square of a plane through all of their points exceeds
+/// @brief Makes one region of two that touch and have one plane: chi-square of a plane through the points of both exceeds
 /// that of one through each by no more than 20, and noise makes it 3; by 60, where their planes are on average within .15
 /// standard deviations of each other along the border, as points there have been given to the nearer one.
 ///
 /// They come to touch late, as borders are drawn and regions extended after the last merge (mergeLabels(), reuniteLabels()):
 /// the two parts of a wall on either side of a pane, once what is seen of it beside the pane is no longer the pane's. Only
-/// points within four standard deviations of each region's plane count.
+/// regions that meet at five places or more, where their planes are within .4 standard deviations on average and not turned
+/// by ten degrees, are looked at; only points within four standard deviations of each region's plane count, which half of
+/// its points must be.
 /// For errors that are not correlated (CoplanarityTolerance::isWhite()). Deterministic; thread-safe with memory of one's
 /// own.
 /// @param meetings of the labels. @param runs of the labels, as the meetings.
