@@ -31,7 +31,7 @@ struct Config {
   bool second_pass = true;            ///< look for thin regions with smaller patches in what the first pass left over
   bool split_regions = true;          ///< split regions that two planes explain far better than one, in the second pass
   bool settle_borders = true;         ///< let regions that meet compete once more along their borders, after the last merge
-  bool settle_low_steps = true;       ///< draw borders of steps lower than white noise by many points, join what is one plane
+  bool settle_low_steps = true;       ///< settle steps lower than white noise by many points, join regions of one plane
   bool refit_regions = true;          ///< fit planes of small regions to their points before borders follow these planes
   bool dissolve_regions = true;       ///< dissolve thin regions that the planes around them explain better than their own
   bool align_creases = true;          ///< draw borders at creases along the line where the planes meet

@@ -26,8 +26,8 @@ struct TiltTrackOptions {
 /// motor that moves in steps looks different: it stood before.
 ///
 /// Where samples are missing, a straight line is drawn only if the speeds before and after agree with it: the cubic through
-/// both ends with these speeds (Hermite's) may leave it by `max_bend`, or by what a coarse encoder leaves it anyway. So a time
-/// in such a gap is told once the samples after it are there, as many as span the gap again. Not thread-safe.
+/// both ends with these speeds (Hermite's) may leave it by `max_bend`, or by what a coarse encoder leaves it anyway. So a
+/// time in such a gap is told once the samples after it are there, as many as span the gap again. Not thread-safe.
 class TiltTrack {
  public:
   enum class Status {
