@@ -32,8 +32,9 @@ NearFit fitNear(const JudgedImage& image, const PixelStretch* begin, const Pixel
     for (int i = stretch->begin; i < stretch->end; ++i) {
       if (!grid.valid(i)) continue;
       const double sigma = image.noise.sigmaAt(i, grid.range[i]);
-      points.push_back(regionPointAt(image, i, sigma));
-      variances += varianceOf(image, sigma);
+      const double variance = varianceOf(image, sigma);
+      points.push_back(regionPointAt(image, i, variance));
+      variances += variance;
       noises += sigma * sigma;
     }
   }

@@ -16,7 +16,7 @@ PlaneDistance distanceAt(const JudgedImage& image, const CreaseMeetings& meeting
     ++distance.meetings;
     if (!image.grid.valid(pixel)) return;
     const double sigma = image.noise.sigmaAt(pixel, image.grid.range[pixel]);
-    const RegionPoint point = regionPointAt(image, pixel, sigma);
+    const RegionPoint point = regionPointAt(image, pixel, varianceOf(image, sigma));
     const double along_a = a.dot(point.at), along_b = b.dot(point.at);
     if (!(along_a > 0.0 && along_b > 0.0)) return;
     const double apart = point.at.norm() * std::abs(1.0 / along_a - 1.0 / along_b);

@@ -39,16 +39,16 @@ inline double varianceOf(const JudgedImage& image, double sigma) {
   return sigma * sigma + floor * floor;
 }
 
-/// @brief The measurement at a pixel that has one. @param sigma standard deviation of its noise [m].
-inline RegionPoint regionPointAt(const JudgedImage& image, int pixel, double sigma) {
+/// @brief The measurement at a pixel that has one. @param variance of its range, see varianceOf() [m^2].
+inline RegionPoint regionPointAt(const JudgedImage& image, int pixel, double variance) {
   const Eigen::Vector3d at = image.grid.point(pixel).cast<double>() - image.center;
-  return {at, at.squaredNorm() / varianceOf(image, sigma), pixel};
+  return {at, at.squaredNorm() / variance, pixel};
 }
 
 /// @brief The measurement at any pixel; of weight 0 if there is none.
 inline RegionPoint regionPointAt(const JudgedImage& image, int pixel) {
   if (!image.grid.valid(pixel)) return {Eigen::Vector3d::Zero(), 0.0, pixel};
-  return regionPointAt(image, pixel, image.noise.sigmaAt(pixel, image.grid.range[pixel]));
+  return regionPointAt(image, pixel, varianceOf(image, image.noise.sigmaAt(pixel, image.grid.range[pixel])));
 }
 
 /// @brief Whether it is a measurement, and no outlier of plane `a` (see moments.h).
