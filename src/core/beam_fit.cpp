@@ -205,6 +205,8 @@ BeamSums sumBlocks(const BeamGrid& grid, const PixelStretch* begin, const PixelS
                                : sumBlocks<kWeights, true>(grid, begin, end, frame, scale);
 }
 
+}  // namespace
+
 Eigen::Matrix3d equationsOf(const BeamSums& s) {
   Eigen::Matrix3d equations;
   equations << s.waa, s.wab, s.wa, s.wab, s.wbb, s.wb, s.wa, s.wb, s.w;
@@ -212,8 +214,6 @@ Eigen::Matrix3d equationsOf(const BeamSums& s) {
 }
 
 Eigen::Vector3d rightOf(const BeamSums& s) { return {s.wha, s.whb, s.wh}; }
-
-}  // namespace
 
 int firstValid(const BeamGrid& grid, const PixelStretch* begin, const PixelStretch* end) {
   for (const PixelStretch* stretch = begin; stretch != end; ++stretch) {
@@ -316,7 +316,7 @@ Plane movedBy(const BeamStep& step, const BeamFrame& frame, const Eigen::Vector3
   return {normal, offset / length + normal.dot(origin)};
 }
 
-Eigen::Matrix4d planeCovariance(const BeamStep& step, const BeamFrame& frame, const Plane& moved, double variance) {
+Eigen::Matrix<double, 4, 3> planeJacobian(const BeamFrame& frame, const Plane& moved) {
   // n' = n - x0 a - x1 b with d' = n' . c + x2, and then scaled to |n| = 1.
   Eigen::Matrix<double, 4, 3> jacobian = Eigen::Matrix<double, 4, 3>::Zero();
   jacobian(frame.a(), 0) = jacobian(frame.b(), 1) = -1.0;
@@ -326,7 +326,11 @@ Eigen::Matrix4d planeCovariance(const BeamStep& step, const BeamFrame& frame, co
   Eigen::Matrix4d scaling = Eigen::Matrix4d::Identity();
   scaling.topLeftCorner<3, 3>() -= moved.normal * moved.normal.transpose();
   scaling.block<1, 3>(3, 0) = -moved.d * moved.normal.transpose();
-  const Eigen::Matrix<double, 4, 3> to_plane = scaling * jacobian;
+  return scaling * jacobian;
+}
+
+Eigen::Matrix4d planeCovariance(const BeamStep& step, const BeamFrame& frame, const Plane& moved, double variance) {
+  const Eigen::Matrix<double, 4, 3> to_plane = planeJacobian(frame, moved);
   return variance * to_plane * step.covariance * to_plane.transpose();
 }
 

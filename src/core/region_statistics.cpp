@@ -3,6 +3,7 @@
 
 #include "patch_plane_clustering/core/parallel.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -11,8 +12,8 @@
 namespace ppc {
 namespace {
 
-constexpr int kBlock = 256;  // pixels
-constexpr int kChunkBlocks = 32;
+constexpr int kBlock = 256;  // pixels, of one row
+constexpr int kChunks = 48;  // of a region, about, unless it has fewer rows
 constexpr int kMaxPasses = 3;
 // Of a step: what is linear near the start no longer is. Gain as a share of the squares, and change of the incidence.
 constexpr double kFarStep = 0.02, kFarTurn = 0.05;
@@ -27,19 +28,22 @@ using Chunk = RegionMemory::Chunk;
 using Stage = RegionMemory::Stage;
 
 // Lists the blocks, label by label.
-void listBlocks(const std::vector<LabelRun>& runs, RegionMemory& memory) {
+void listBlocks(const std::vector<LabelRun>& runs, int cols, RegionMemory& memory) {
+  const auto forEachBlock = [&runs, cols](auto&& take) {
+    for (const LabelRun& run : runs) {
+      for (int at = run.begin, end = at; at < run.end; at = end) {
+        end = std::min({at + kBlock, run.end, (at / cols + 1) * cols});
+        take(run.label, PixelStretch{at, end});
+      }
+    }
+  };
   std::vector<std::size_t>& begin = memory.blocks_begin;
   begin.assign(static_cast<std::size_t>(highestLabel(runs)) + 2, 0);
-  for (const LabelRun& run : runs) {
-    begin[run.label + 1] += static_cast<std::size_t>((run.end - run.begin + kBlock - 1) / kBlock);
-  }
+  forEachBlock([&](std::int32_t label, const PixelStretch&) { ++begin[label + 1]; });
   for (std::size_t label = 1; label < begin.size(); ++label) begin[label] += begin[label - 1];
   memory.blocks.resize(begin.back());
-  for (const LabelRun& run : runs) {  // begin[label] moves to the label's end, which is the next one's begin
-    for (int at = run.begin; at < run.end; at += kBlock) {
-      memory.blocks[begin[run.label]++] = {at, std::min(at + kBlock, run.end)};
-    }
-  }
+  // begin[label] moves to the label's end, which is the next one's begin
+  forEachBlock([&](std::int32_t label, const PixelStretch& block) { memory.blocks[begin[label]++] = block; });
   std::rotate(begin.begin(), begin.end() - 1, begin.end());
   begin.front() = 0;
 }
@@ -52,6 +56,8 @@ class RegionFitter {
     stages_.assign(labels, Stage::kAcross);
     starts_.resize(labels);
     regions_.assign(labels, PlanarRegion());
+    memory.scatters.assign(labels, ScoreScatter());
+    memory.roots.resize(labels);
     forEachPart(threads, static_cast<int>(labels), memory.threads, [&](int id, BeamStartMemory& start) {
       starts_[id] = startOf(grid, blocksBegin(id), blocksEnd(id), start);
       regions_[id].id = id;
@@ -104,6 +110,21 @@ class RegionFitter {
     }
   }
 
+  // Once all regions have told how far errors go together.
+  void findCovariances() {
+    const CommonScatter common = commonScatter(memory_.scatters, memory_.order);
+    for (std::size_t id = 0; id < stages_.size(); ++id) {
+      PlanarRegion& region = regions_[id];
+      if (stages_[id] == Stage::kDone) {
+        const Eigen::Matrix<double, 4, 3>& root = memory_.roots[id];
+        const Eigen::Matrix4d covariance = root * inflationOf(memory_.scatters[id], common) * root.transpose();
+        region.covariance = covariance.selfadjointView<Eigen::Lower>();  // to the last bit
+      } else {
+        region.covariance *= common.whole();
+      }
+    }
+  }
+
   void dropSmall() {
     regions_.erase(std::remove_if(regions_.begin(), regions_.end(), [](const PlanarRegion& r) { return r.points < 3; }),
                    regions_.end());
@@ -119,20 +140,28 @@ class RegionFitter {
   bool sumChunks(Stage stage, std::vector<Sums>& parts, std::vector<Sums>& sums, F&& sum) const {
     std::vector<Chunk>& chunks = memory_.chunks;
     chunks.clear();
+    memory_.chunks_begin.assign(stages_.size() + 1, 0);
     for (std::size_t id = 0; id < stages_.size(); ++id) {
-      if (stages_[id] != stage) continue;
-      const PixelStretch* const end = blocksEnd(id);
-      for (const PixelStretch* at = blocksBegin(id); at != end;) {
-        const PixelStretch* const next = at + std::min<std::ptrdiff_t>(kChunkBlocks, end - at);
-        chunks.push_back({id, at, next});
-        at = next;
-      }
+      if (stages_[id] == stage) listChunks(id, chunks);
+      memory_.chunks_begin[id + 1] = chunks.size();
     }
     parts.resize(chunks.size());
     forEachPart(threads_, static_cast<int>(chunks.size()), [&](int k) { parts[k] = sum(chunks[k]); });
     sums.assign(stages_.size(), Sums());
     for (std::size_t k = 0; k < chunks.size(); ++k) sums[chunks[k].id] += parts[k];
     return !chunks.empty();
+  }
+
+  // Chunks of one region, of as many blocks each if rows let them: a chunk has all of a row, whose errors may go together.
+  void listChunks(std::size_t id, std::vector<Chunk>& chunks) const {
+    const PixelStretch* const end = blocksEnd(id);
+    const std::ptrdiff_t blocks = std::max<std::ptrdiff_t>(1, (end - blocksBegin(id)) / kChunks);
+    for (const PixelStretch* at = blocksBegin(id); at != end;) {
+      const PixelStretch* next = at + std::min(blocks, end - at);
+      while (next != end && next->begin / grid_.cols == (next - 1)->begin / grid_.cols) ++next;
+      chunks.push_back({id, at, next});
+      at = next;
+    }
   }
 
   bool sumAlong(Stage stage) const {
@@ -166,6 +195,9 @@ class RegionFitter {
     }
     describe(id, sums, sums, *step, scale, *moved);
     stages_[id] = Stage::kDone;
+    const BeamSums* const parts = memory_.beam_parts.data();
+    memory_.scatters[id] = scatterOf(parts + memory_.chunks_begin[id], parts + memory_.chunks_begin[id + 1], sums,
+                                     step->x / scale, varianceOf(sums, step->gain));
     if (sums.valid <= kFringePoints && start.scale.limit < kNoLimit) {
       leaveOutFringe(id, sums, scale, std::sqrt(scale * varianceOf(sums, step->gain)), fringe);
     }
@@ -186,8 +218,12 @@ class RegionFitter {
     const std::optional<NextStep> next = stepWithout(off, start, sums, scale);
     if (!next) return;
     const PlanarRegion before = regions_[id];
+    const Eigen::Matrix<double, 4, 3> root_before = memory_.roots[id];
     describe(id, sums, next->sums, next->step, scale, next->moved);
-    if (regions_[id].rms > kWorseRms * before.rms) regions_[id] = before;  // the region, not what is beside it, was left out
+    if (regions_[id].rms > kWorseRms * before.rms) {  // the region, not what is beside it, was left out
+      regions_[id] = before;
+      memory_.roots[id] = root_before;
+    }
   }
 
   struct MovedPlane {
@@ -244,7 +280,9 @@ class RegionFitter {
     // The step brings all points nearer, at the kept ones' mean incidence, and changes that.
     const double squares = all.hh - gainOf(all, step.x) * all.kept / all.w;
     region.rms = moved.incidence * std::sqrt(std::max(0.0, squares) / all.valid);
-    region.covariance = planeCovariance(step, start.frame, moved.plane, scale * scale * varianceOf(telling, step.gain));
+    const Eigen::LLT<Eigen::Matrix3d> root(equationsOf(telling));
+    memory_.roots[id] = scale * std::sqrt(varianceOf(telling, step.gain)) * planeJacobian(start.frame, moved.plane) *
+                        root.matrixU().solve(Eigen::Matrix3d::Identity());
   }
 
   // The first point of a region; the frame's origin if it has none.
@@ -273,10 +311,11 @@ std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage
 
 void describeRegions(const BeamGrid& grid, const std::vector<LabelRun>& runs, RegionMemory& memory,
                      std::vector<PlanarRegion>& regions, int threads) {
-  listBlocks(runs, memory);
+  listBlocks(runs, grid.cols, memory);
   RegionFitter fitter(grid, memory, regions, threads);
   fitter.fitAlongBeams();
   fitter.fitAcrossBeams();
+  fitter.findCovariances();
   fitter.dropSmall();
 }
 

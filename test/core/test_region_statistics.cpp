@@ -113,6 +113,77 @@ TEST(RegionStatistics, CovarianceHoldsUnderMonteCarlo) {
   }
 }
 
+// Errors of unit variance, a pixel each.
+using Errors = std::function<std::vector<double>(int rows, int cols, Normal& normal)>;
+
+std::vector<double> whiteErrors(int rows, int cols, Normal& normal) {
+  std::vector<double> errors(static_cast<std::size_t>(rows) * cols);
+  for (double& error : errors) error = normal();
+  return errors;
+}
+
+// Means over rectangles of white ones.
+Errors smoothErrors(int height, int width) {
+  return [=](int rows, int cols, Normal& normal) {
+    const int wide = cols + width - 1;
+    const std::vector<double> white = whiteErrors(rows + height - 1, wide, normal);
+    std::vector<double> errors(static_cast<std::size_t>(rows) * cols, 0.0);
+    for (int i = 0; i < rows * cols; ++i) {
+      for (int r = 0; r < height; ++r) {
+        for (int c = 0; c < width; ++c) errors[i] += white[(i / cols + r) * wide + i % cols + c];
+      }
+      errors[i] /= std::sqrt(width * height);
+    }
+    return errors;
+  };
+}
+
+// @param share of the variance, which is the same for all of a line.
+Errors lineErrors(double share) {
+  return [=](int rows, int cols, Normal& normal) {
+    std::vector<double> errors = whiteErrors(rows, cols, normal);
+    for (int r = 0; r < rows; ++r) {
+      const double line = std::sqrt(share) * normal();
+      for (int c = 0; c < cols; ++c) errors[r * cols + c] = std::sqrt(1.0 - share) * errors[r * cols + c] + line;
+    }
+    return errors;
+  };
+}
+
+// As above, where errors are not independent. Taken for independent, they are 8 to 50 times as large as the covariance says.
+TEST(RegionStatistics, CovarianceHoldsWhereErrorsGoTogether) {
+  const auto wall = [](double distance) { return Plane{-Eigen::Vector3d::UnitX(), -distance}; };
+  BeamGrid exact = toBeamGrid(noddingScan(160, 320, -30 * kDegree, 30 * kDegree, 40 * kDegree));
+  const std::vector<Face> faces{{wall(3.0), [](const auto& p) { return p.y() < 0.2 && p.z() < 0.5; }},
+                                {wall(3.1), [](const auto& p) { return p.y() > 0.2 && p.z() > 0.3; }},
+                                {wall(3.2), [](const auto& p) { return p.y() > 0.2 && p.z() < 0.2; }},
+                                {wall(3.3), [](const auto& p) { return std::abs(p.z() - 0.8) < 0.15; }}};
+  const LabelImage labels = scanFaces(faces, exact);
+  struct Kind {
+    const char* what;
+    Errors errors;
+    double most;
+  };
+  for (const Kind& kind : {Kind{"white", whiteErrors, 3.8}, Kind{"along lines", smoothErrors(1, 5), 3.8},
+                           Kind{"of lines", lineErrors(0.2), 3.8}, Kind{"smooth", smoothErrors(8, 8), 12.0}}) {
+    Normal normal(3);
+    constexpr int kRuns = 100;
+    std::vector<double> mean(faces.size(), 0.0);
+    for (int run = 0; run < kRuns; ++run) {
+      BeamGrid grid = exact;
+      const std::vector<double> errors = kind.errors(grid.rows, grid.cols, normal);
+      for (int i = 0; i < grid.size(); ++i) grid.range[i] += static_cast<float>(0.01 * errors[i]);
+      const auto regions = describeRegions(grid, labels);
+      ASSERT_EQ(regions.size(), faces.size());
+      for (std::size_t k = 0; k < faces.size(); ++k) mean[k] += normalisedErrorSquared(regions[k], faces[k].plane) / kRuns;
+    }
+    for (const double error : mean) {
+      EXPECT_LT(error, kind.most) << kind.what;
+      EXPECT_GT(error, 2.2) << kind.what;
+    }
+  }
+}
+
 // The converged fit, without points beyond 2.5 standard deviations, lies within the error of either.
 TEST(RegionStatistics, OnePassReachesTheConvergedPlane) {
   for (Scan& scan : difficultScans()) {

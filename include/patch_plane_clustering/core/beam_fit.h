@@ -78,6 +78,10 @@ class BeamFrame {
 BeamSums sumBeams(const BeamGrid& grid, const PixelStretch* begin, const PixelStretch* end, const BeamFrame& frame,
                   BeamWeights weights, const ErrorScale& scale = {});
 
+/// @brief The normal equations of a step x, (moments) x = (right side), in the order of BeamStep::x.
+Eigen::Matrix3d equationsOf(const BeamSums& sums);
+Eigen::Vector3d rightOf(const BeamSums& sums);
+
 /// @brief A Gauss-Newton step: in the frame's coordinates, the plane moves by x[0] a + x[1] b + x[2] along the normal.
 struct BeamStep {
   Eigen::Vector3d x;
@@ -102,6 +106,8 @@ std::optional<BeamStep> stepOf(const BeamSums& sums, double scale = 1.0);
 /// @param origin one for all beams, about.
 Plane movedBy(const BeamStep& step, const BeamFrame& frame, const Eigen::Vector3d& origin);
 
+/// @brief How (n, d) changes with the step.
+Eigen::Matrix<double, 4, 3> planeJacobian(const BeamFrame& frame, const Plane& moved);
 /// @brief Covariance of (n, d) from that of the step. @param variance of the errors [m^2].
 Eigen::Matrix4d planeCovariance(const BeamStep& step, const BeamFrame& frame, const Plane& moved, double variance);
 

@@ -8,6 +8,7 @@
 #include "patch_plane_clustering/core/label_runs.h"
 #include "patch_plane_clustering/core/region_fringe.h"
 #include "patch_plane_clustering/core/run_listing.h"
+#include "patch_plane_clustering/core/score_scatter.h"
 #include "patch_plane_clustering/core/segmentation.h"
 
 #include <cstddef>
@@ -30,7 +31,11 @@ struct RegionMemory {
   std::vector<std::size_t> blocks_begin;  ///< of each label, and one past the last
   std::vector<Stage> stages;
   std::vector<BeamStart> starts;
-  std::vector<Chunk> chunks;                       ///< of the regions at one stage
+  std::vector<Chunk> chunks;              ///< of the regions at one stage
+  std::vector<std::size_t> chunks_begin;  ///< of each region, and one past the last
+  std::vector<ScoreScatter> scatters;
+  std::vector<Eigen::Matrix<double, 4, 3>> roots;  ///< R of each plane's covariance R R^T for independent errors
+  std::vector<std::pair<float, float>> order;      ///< of regions, by what they tell of the scatter
   std::vector<BeamSums> beam_parts, beam_sums;     ///< of the chunks, of the labels
   std::vector<PointSums> point_parts, point_sums;  ///< the same
   std::vector<Eigen::Vector3d> origins;            ///< which the latter are about
@@ -52,8 +57,9 @@ struct RenumberingMemory {
 /// from beside the region do not turn it; of regions up to 8192 points, without parts of the fringe (Fringe) that lie off
 /// the plane to one side either or, up to 2048 points and where noise is above 5 mm, off the plane of the inside by more
 /// than it and walls that bow let them, unless half of the points were left out so or the rms of all became a quarter
-/// larger. The covariance takes the residuals' own variance, and points as independent. Centroid, count and rms are those of
-/// all points.
+/// larger. The covariance takes the errors' own variance, and that errors go together in part, along lines or about, as
+/// their sums over some rows each show (ScoreScatter); what all points have in common, as the pose of the sensor, it cannot
+/// know. Centroid, count and rms are those of all points.
 /// @param labels values 1..N, 0 = none; same size as the grid.
 /// @return one region for each id 1..max that has at least 3 points; in ascending id.
 std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage& labels, int threads = 1);
