@@ -187,22 +187,28 @@ def ratio(records, part, whole, *path):
     return top / bottom if bottom else None
 
 
+def plane_mean(records, name):
+    planes = [r['planes'] for r in records if r.get('planes') and r['planes']['matched'] > 0]
+    count = sum(p['matched'] for p in planes)
+    return sum(p[name] * p['matched'] for p in planes) / count if count else None
+
+
 def shown(value, digits=2, unit=''):
     return '-' if value is None else f'{value:.{digits}f}{unit}'
 
 
 def score_row(records):
     share = ratio(records, 'correct', 'true')
-    normal, refit = mean(records, 'planes', 'true_normal_error_deg'), mean(records, 'planes', 'refit_normal_error_deg')
+    normal, refit = plane_mean(records, 'true_normal_error_deg'), plane_mean(records, 'refit_normal_error_deg')
     return [shown(mean(records, 'f1')), shown(100 * share if share is not None else None, 1, ' %'), shown(mean(records, 'spurious'), 1),
             shown(mean(records, 'mean_iou')), shown(mean(records, 'pixel_iou')), shown(mean(records, 'rendered', 'f1')),
             shown(mean(records, 'rendered', 'mean_iou')), shown(mean(records, 'rendered', 'pixel_iou')),
             shown(normal), shown(normal / refit if normal is not None and refit else None),
-            shown(mean(records, 'planes', 'offset_error_mm'), 1)]
+            shown(plane_mean(records, 'offset_error_mm'), 1), shown(plane_mean(records, 'within_95'))]
 
 
 HEADINGS = ['F1', 'correct', 'spurious', 'IoU', 'pixel IoU', 'F1 of polygons', 'IoU of polygons', 'pixel IoU of polygons',
-            'normal [deg]', 'to refit', 'offset [mm]']
+            'normal [deg]', 'to refit', 'offset [mm]', 'in covariance']
 
 
 def table(first, headings, rows):
@@ -301,7 +307,8 @@ searched on other seeds (below).
 F1 = 2 correct / (true + found); *correct* is the share of true regions; *spurious* regions and everything else are means an image. IoU: mean
 over true regions of the best intersection over union; *pixel IoU*: the same, weighted with the size of the true region. *Of polygons*: the polygons rendered back along every beam and scored as labels are.
 *Normal*: mean angle between the planes of correct regions and the true planes, and *to refit* its ratio to that of a fit to the true
-pixels. *Offset*: distance of the found plane from the centroid of the true region's points.
+pixels. *Offset*: distance of the found plane from the centroid of the true region's points. *In covariance*: share of these planes
+whose error is within the ellipsoid that should hold 95 % of them; the others' planes are fitted to their labels by the same means.
 
 {table(['condition', 'method', 'images'], HEADINGS, method_rows(results, methods))}
 ![Correct detections over the tolerance](accuracy_tolerance.png)

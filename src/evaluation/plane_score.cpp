@@ -3,12 +3,17 @@
 
 #include "polygon_plane.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 
 namespace ppc {
 
 namespace {
+
+constexpr double kChiSquare3At95 = 7.8147;
 
 struct Comparison {
   const PlanarRegion* truth;
@@ -17,12 +22,14 @@ struct Comparison {
 
 PlaneScore scoreOf(const std::vector<Comparison>& comparisons) {
   PlaneScore score;
+  std::vector<double> normalised;
   for (const Comparison& each : comparisons) {
     if (each.truth == nullptr || each.found == nullptr) continue;
     const Eigen::Vector3d& a = each.truth->plane.normal;
     const Eigen::Vector3d& b = each.found->plane.normal;
     const double angle = std::atan2(a.cross(b).norm(), a.dot(b));  // exact for small angles, unlike acos
     const double offset = std::abs(each.found->plane.signedDistance(each.truth->centroid));
+    normalised.push_back(normalisedErrorSquared(*each.truth, *each.found));
     ++score.matched;
     score.mean_normal_error += angle;
     score.mean_offset_error += offset;
@@ -32,11 +39,32 @@ PlaneScore scoreOf(const std::vector<Comparison>& comparisons) {
   if (score.matched > 0) {
     score.mean_normal_error /= score.matched;
     score.mean_offset_error /= score.matched;
+    std::sort(normalised.begin(), normalised.end());
+    const std::size_t half = normalised.size() / 2;
+    score.median_normalised_error =
+        normalised.size() % 2 == 1 ? normalised[half] : 0.5 * (normalised[half - 1] + normalised[half]);
+    const auto within = std::upper_bound(normalised.begin(), normalised.end(), kChiSquare3At95) - normalised.begin();
+    score.within_95 = static_cast<double>(within) / score.matched;
   }
   return score;
 }
 
 }  // namespace
+
+double normalisedErrorSquared(const PlanarRegion& truth, const PlanarRegion& found) {
+  const Eigen::Vector3d &n = truth.plane.normal, &there = truth.centroid;
+  const Eigen::Vector3d t1 = n.unitOrthogonal(), t2 = n.cross(t1);
+  const Eigen::Vector3d turned = found.plane.normal - n;
+  const Eigen::Vector3d error(t1.dot(turned), t2.dot(turned), found.plane.signedDistance(there));
+  Eigen::Matrix<double, 3, 4> to_error = Eigen::Matrix<double, 3, 4>::Zero();
+  to_error.block<1, 3>(0, 0) = t1.transpose();
+  to_error.block<1, 3>(1, 0) = t2.transpose();
+  to_error.block<1, 3>(2, 0) = there.transpose();
+  to_error(2, 3) = -1.0;
+  const Eigen::LLT<Eigen::Matrix3d> covariance(to_error * found.covariance * to_error.transpose());
+  const double squared = error.dot(covariance.solve(error));
+  return covariance.info() == Eigen::Success && std::isfinite(squared) ? squared : std::numeric_limits<double>::infinity();
+}
 
 PlaneScore planeScore(const std::vector<PlanarRegion>& truth, const std::vector<PlanarRegion>& found,
                       const RegionOverlap& overlap, const SegcompScore& matches) {

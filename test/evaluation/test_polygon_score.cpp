@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace ppc {
@@ -119,6 +120,38 @@ TEST(PlaneScore, AnglesAndOffsetsOfMatchedRegions) {
   EXPECT_EQ(score.matched, 1);
   EXPECT_NEAR(score.mean_normal_error, turn, 1e-12);
   EXPECT_NEAR(score.mean_offset_error, 0.05 * std::cos(turn), 1e-12);
+}
+
+// Of four planes off by known multiples of their standard deviations; the last has no covariance.
+TEST(PlaneScore, ErrorsInUnitsOfTheCovariance) {
+  std::vector<PlanarRegion> truth, found;
+  RegionOverlap overlap;
+  SegcompScore matches;
+  for (int k = 0; k < 4; ++k) {
+    truth.push_back(wallAt(2.0, k + 1));
+    truth[k].centroid = {2.0, 0.0, 0.0};
+    found.push_back(truth[k]);
+    overlap.true_ids.push_back(k + 1);
+    overlap.found_ids.push_back(k + 1);
+    matches.matches.emplace_back(k, k);
+  }
+  const double turn = 0.01, offset = 0.02;
+  for (int k = 0; k < 3; ++k) {  // turns about z and y, each with the change of d that keeps the centroid; and d alone
+    const Eigen::Vector4d about_z(0.0, 1.0, 0.0, 0.0), about_y(0.0, 0.0, 1.0, 0.0), along(0.0, 0.0, 0.0, 1.0);
+    found[k].covariance = turn * turn * (about_z * about_z.transpose() + about_y * about_y.transpose()) +
+                          offset * offset * along * along.transpose();
+  }
+  found[0].plane.d += 2.0 * offset;
+  found[1].plane.normal = Eigen::Vector3d(-1.0, turn, 0.0).normalized();
+  found[2].plane.normal = Eigen::Vector3d(-1.0, 2.0 * turn, 0.0).normalized();
+  found[2].plane.d -= 2.0 * offset;
+  EXPECT_NEAR(normalisedErrorSquared(truth[0], found[0]), 4.0, 1e-9);
+  EXPECT_NEAR(normalisedErrorSquared(truth[1], found[1]), 1.0, 1e-3);
+  EXPECT_NEAR(normalisedErrorSquared(truth[2], found[2]), 8.0, 0.1);
+  EXPECT_EQ(normalisedErrorSquared(truth[3], found[3]), std::numeric_limits<double>::infinity());
+  const PlaneScore score = planeScore(truth, found, overlap, matches);
+  EXPECT_NEAR(score.median_normalised_error, 6.0, 0.1);
+  EXPECT_EQ(score.within_95, 0.5);
 }
 
 TEST(PlaneScore, ARefitIsComparedWithTheTruthOfItsOwnRegion) {

@@ -85,6 +85,13 @@ class Segment(WithFolder):
         self.assertEqual(plane["id"], 1)
         for value, expected in zip(plane["normal"] + [plane["d"]], (0, 0, -1, -2)):
             self.assertAlmostEqual(value, expected, delta=1e-3)
+        covariance = [plane["covariance"][4 * row:4 * row + 4] for row in range(4)]
+        self.assertEqual(len(plane["covariance"]), 16)
+        self.assertEqual(covariance, [list(column) for column in zip(*covariance)])
+        self.assertLess(sum(c * n for c, n in zip(covariance[0], plane["normal"])), 1e-12)  # |normal| = 1
+        for k in range(4):
+            self.assertGreaterEqual(covariance[k][k], 0.0)
+        self.assertGreater(covariance[3][3], 0.0)
         self.assertEqual(len(plane["holes"]), 1)
         self.assertAlmostEqual(plane["area"], (ROWS * COLS - 81) * 0.02 ** 2, delta=0.04)
         for vertex in plane["outer"] + plane["holes"][0]:
@@ -279,6 +286,11 @@ class Simulated(WithFolder):
         self.assertGreater(errors["refit_normal_error_deg"], 0.001)
         self.assertLess(errors["refit_normal_error_deg"], 2.0)
         self.assertLess(errors["refit_offset_error_mm"], 10.0)
+        for name in ("median_normalised_error", "within_95"):
+            self.assertEqual(errors[name], errors[f"refit_{name}"])
+        self.assertGreater(errors["median_normalised_error"], 0.1)
+        self.assertLess(errors["median_normalised_error"], 10.0)  # chi-square of three: 2.4
+        self.assertGreater(errors["within_95"], 0.5)
         self.assertEqual(ppc("evaluate", "--truth", truth, "--labels", truth, "--truth-planes", planes).returncode, 1)
         self.assertEqual(ppc("evaluate", "--truth", truth, "--labels", truth, "--cloud", cloud, "--truth-planes",
                              cloud).returncode, 1)

@@ -100,6 +100,10 @@ void addTrueErrors(std::vector<PlanarRegion> ideal, const std::vector<PlanarRegi
   json["true_offset_error_mm"] = score.mean_offset_error * 1e3;
   json["refit_normal_error_deg"] = refit.mean_normal_error * 180.0 / M_PI;
   json["refit_offset_error_mm"] = refit.mean_offset_error * 1e3;
+  for (const auto& [name, planes] : {std::pair("", score), std::pair("refit_", refit)}) {
+    json[std::string(name) + "median_normalised_error"] = planes.median_normalised_error;
+    json[std::string(name) + "within_95"] = planes.within_95;
+  }
 }
 
 // What needs the points: planes against a fit to the true pixels, and polygons rendered back along every beam.

@@ -26,6 +26,15 @@ Json ringJson(const std::vector<Eigen::Vector3d>& ring) {
   return all;
 }
 
+// Row by row.
+Json covarianceJson(const Eigen::Matrix4d& covariance) {
+  Json json = Json::array();
+  for (Eigen::Index row = 0; row < covariance.rows(); ++row) {
+    for (Eigen::Index column = 0; column < covariance.cols(); ++column) json.push_back(covariance(row, column));
+  }
+  return json;
+}
+
 }  // namespace
 
 cv::Mat labelPicture(const LabelImage& labels) {
@@ -71,6 +80,7 @@ Json polygonsJson(const BeamGrid& grid, const Segmentation& result, const ImageS
       planes.push_back({{"id", region.id},
                         {"normal", {n.x(), n.y(), n.z()}},
                         {"d", region.plane.d},
+                        {"covariance", covarianceJson(region.covariance)},
                         {"rms", region.rms},
                         {"points", region.points},
                         {"area", polygon.area},

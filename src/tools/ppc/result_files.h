@@ -24,8 +24,9 @@ cv::Mat labelPicture(const LabelImage& labels);
 /// @brief Reads a label picture of one channel, 8 or 16 bits. @throws std::runtime_error naming the file and the cause.
 LabelImage readLabels(const std::string& path);
 
-/// @brief Planes and polygons: {"frame_id", "stamp", "rows", "cols", "planes": [{"id", "normal", "d", "rms", "points",
-/// "area", "outer", "holes"}]}, one entry a polygon, normal . p = d.
+/// @brief Planes and polygons: {"frame_id", "stamp", "rows", "cols", "planes": [{"id", "normal", "d",
+/// "covariance", "rms", "points", "area", "outer", "holes"}]}, one entry a polygon, normal . p = d; the covariance is that
+/// of (normal, d), row by row.
 nlohmann::ordered_json polygonsJson(const BeamGrid& grid, const Segmentation& result, const ImageSource& source);
 
 /// @brief Counts and times of one segmentation; the names of stages and their milliseconds under "stages_ms".
