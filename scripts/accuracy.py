@@ -304,11 +304,12 @@ that is connected in the image, 400 pixels and more; a region is correct if it o
 PPC: the defaults, the same everywhere; the noise is estimated from each image. The others: the best parameters for each condition,
 searched on other seeds (below).
 
-F1 = 2 correct / (true + found); *correct* is the share of true regions; *spurious* regions and everything else are means an image. IoU: mean
+F1 = 2 correct / (true + found); *correct* is the share of true regions; *spurious* regions and what is not said otherwise are means an image. IoU: mean
 over true regions of the best intersection over union; *pixel IoU*: the same, weighted with the size of the true region. *Of polygons*: the polygons rendered back along every beam and scored as labels are.
-*Normal*: mean angle between the planes of correct regions and the true planes, and *to refit* its ratio to that of a fit to the true
+*Normal*, over all planes of correct regions: mean angle to the true planes, and *to refit* its ratio to that of a fit to the true
 pixels. *Offset*: distance of the found plane from the centroid of the true region's points. *In covariance*: share of these planes
-whose error is within the ellipsoid that should hold 95 % of them; the others' planes are fitted to their labels by the same means.
+whose error is within the ellipsoid that should hold 95 % of them; the others' planes are fitted to their labels by the same means. Where
+it is realistic, the pose of the sensor is wrong for all points alike, which no covariance of a plane can know.
 
 {table(['condition', 'method', 'images'], HEADINGS, method_rows(results, methods))}
 ![Correct detections over the tolerance](accuracy_tolerance.png)

@@ -4,6 +4,7 @@
 #include "patch_plane_clustering/core/parallel.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -15,6 +16,7 @@ namespace {
 constexpr int kBlock = 256;  // pixels, of one row
 constexpr int kChunks = 48;  // of a region, about, unless it has fewer rows
 constexpr int kMaxPasses = 3;
+constexpr double kLeastTold = 1e-12;  // eigenvalue over the largest, of what points tell
 // Of a step: what is linear near the start no longer is. Gain as a share of the squares, and change of the incidence.
 constexpr double kFarStep = 0.02, kFarTurn = 0.05;
 constexpr double kWorseRms = 1.25;   // of all points
@@ -26,6 +28,17 @@ constexpr double kInsideSignificance = 2.5, kInsideTolerance = 0.005;
 
 using Chunk = RegionMemory::Chunk;
 using Stage = RegionMemory::Stage;
+
+// R with R R^T = A^-1, in coordinates of L^T x for A = L L^T. Of points that do not tell one turn, as a level line's, in its
+// own coordinates, without that turn.
+Eigen::Matrix3d inverseRoot(const Eigen::Matrix3d& equations) {
+  const Eigen::LLT<Eigen::Matrix3d> root(equations);
+  if (root.info() == Eigen::Success) return root.matrixU().solve(Eigen::Matrix3d::Identity());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(equations);
+  const Eigen::Vector3d told = eigen.eigenvalues();
+  const double least = kLeastTold * told.maxCoeff();
+  return eigen.eigenvectors() * (told.array() > least).select(told.array().max(least).rsqrt(), 0.0).matrix().asDiagonal();
+}
 
 // Lists the blocks, label by label.
 void listBlocks(const std::vector<LabelRun>& runs, int cols, RegionMemory& memory) {
@@ -117,11 +130,12 @@ class RegionFitter {
       PlanarRegion& region = regions_[id];
       if (stages_[id] == Stage::kDone) {
         const Eigen::Matrix<double, 4, 3>& root = memory_.roots[id];
-        const Eigen::Matrix4d covariance = root * inflationOf(memory_.scatters[id], common) * root.transpose();
-        region.covariance = covariance.selfadjointView<Eigen::Lower>();  // to the last bit
+        region.covariance = root * inflationOf(memory_.scatters[id], common) * root.transpose();
       } else {
         region.covariance *= common.whole();
       }
+      const Eigen::Matrix4d rounded = region.covariance;
+      region.covariance = rounded.selfadjointView<Eigen::Lower>();
     }
   }
 
@@ -195,9 +209,7 @@ class RegionFitter {
     }
     describe(id, sums, sums, *step, scale, *moved);
     stages_[id] = Stage::kDone;
-    const BeamSums* const parts = memory_.beam_parts.data();
-    memory_.scatters[id] = scatterOf(parts + memory_.chunks_begin[id], parts + memory_.chunks_begin[id + 1], sums,
-                                     step->x / scale, varianceOf(sums, step->gain));
+    findScatter(id, sums, *step, scale);
     if (sums.valid <= kFringePoints && start.scale.limit < kNoLimit) {
       leaveOutFringe(id, sums, scale, std::sqrt(scale * varianceOf(sums, step->gain)), fringe);
     }
@@ -223,6 +235,29 @@ class RegionFitter {
     if (regions_[id].rms > kWorseRms * before.rms) {  // the region, not what is beside it, was left out
       regions_[id] = before;
       memory_.roots[id] = root_before;
+      return;
+    }
+    takeFromParts(id, off);
+    findScatter(id, next->sums, next->step, scale);
+  }
+
+  void findScatter(std::size_t id, const BeamSums& telling, const BeamStep& step, double scale) {
+    const BeamSums* const parts = memory_.beam_parts.data();
+    memory_.scatters[id] = scatterOf(parts + memory_.chunks_begin[id], parts + memory_.chunks_begin[id + 1], telling,
+                                     step.x / scale, varianceOf(telling, step.gain));
+  }
+
+  // Takes pixels, which are in the order of the image, from the sums of the region's chunks.
+  void takeFromParts(std::size_t id, const std::vector<PixelStretch>& pixels) {
+    const BeamStart& start = starts_[id];
+    std::size_t k = memory_.chunks_begin[id];
+    for (PixelStretch rest : pixels) {
+      while (rest.begin != rest.end) {
+        while ((memory_.chunks[k].end - 1)->end <= rest.begin) ++k;
+        const PixelStretch here{rest.begin, std::min(rest.end, (memory_.chunks[k].end - 1)->end)};
+        memory_.beam_parts[k] -= sumBeams(grid_, &here, &here + 1, start.frame, BeamWeights::kTrimmed, start.scale);
+        rest.begin = here.end;
+      }
     }
   }
 
@@ -280,9 +315,8 @@ class RegionFitter {
     // The step brings all points nearer, at the kept ones' mean incidence, and changes that.
     const double squares = all.hh - gainOf(all, step.x) * all.kept / all.w;
     region.rms = moved.incidence * std::sqrt(std::max(0.0, squares) / all.valid);
-    const Eigen::LLT<Eigen::Matrix3d> root(equationsOf(telling));
     memory_.roots[id] = scale * std::sqrt(varianceOf(telling, step.gain)) * planeJacobian(start.frame, moved.plane) *
-                        root.matrixU().solve(Eigen::Matrix3d::Identity());
+                        inverseRoot(equationsOf(telling));
   }
 
   // The first point of a region; the frame's origin if it has none.

@@ -41,6 +41,7 @@ double meanOf(const ScoreScatter& scatter) { return scatter.inflation.trace() / 
 ScoreScatter scatterOf(const BeamSums* begin, const BeamSums* end, const BeamSums& all, const Eigen::Vector3d& step,
                        double variance) {
   ScoreScatter result;
+  if (static_cast<double>(end - begin) <= kLeastFreedom) return result;
   const Eigen::LLT<Eigen::Matrix3d> root(equationsOf(all));
   if (root.info() != Eigen::Success || !(variance > 0.0)) return result;
   const Eigen::Matrix3d to_unit = root.matrixL().solve(Eigen::Matrix3d::Identity());

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "patch_plane_clustering/evaluation/plane_score.h"
 
+#include "patch_plane_clustering/core/quantile.h"
 #include "polygon_plane.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <limits>
 
 namespace ppc {
@@ -39,11 +39,8 @@ PlaneScore scoreOf(const std::vector<Comparison>& comparisons) {
   if (score.matched > 0) {
     score.mean_normal_error /= score.matched;
     score.mean_offset_error /= score.matched;
-    std::sort(normalised.begin(), normalised.end());
-    const std::size_t half = normalised.size() / 2;
-    score.median_normalised_error =
-        normalised.size() % 2 == 1 ? normalised[half] : 0.5 * (normalised[half - 1] + normalised[half]);
-    const auto within = std::upper_bound(normalised.begin(), normalised.end(), kChiSquare3At95) - normalised.begin();
+    score.median_normalised_error = median(normalised);
+    const auto within = std::count_if(normalised.begin(), normalised.end(), [](double e) { return e <= kChiSquare3At95; });
     score.within_95 = static_cast<double>(within) / score.matched;
   }
   return score;
@@ -52,7 +49,8 @@ PlaneScore scoreOf(const std::vector<Comparison>& comparisons) {
 }  // namespace
 
 double normalisedErrorSquared(const PlanarRegion& truth, const PlanarRegion& found) {
-  const Eigen::Vector3d &n = truth.plane.normal, &there = truth.centroid;
+  const Eigen::Vector3d& n = truth.plane.normal;
+  const Eigen::Vector3d there = truth.centroid - truth.plane.signedDistance(truth.centroid) * n;
   const Eigen::Vector3d t1 = n.unitOrthogonal(), t2 = n.cross(t1);
   const Eigen::Vector3d turned = found.plane.normal - n;
   const Eigen::Vector3d error(t1.dot(turned), t2.dot(turned), found.plane.signedDistance(there));

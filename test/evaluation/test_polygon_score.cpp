@@ -150,7 +150,7 @@ TEST(PlaneScore, ErrorsInUnitsOfTheCovariance) {
   EXPECT_NEAR(normalisedErrorSquared(truth[2], found[2]), 8.0, 0.1);
   EXPECT_EQ(normalisedErrorSquared(truth[3], found[3]), std::numeric_limits<double>::infinity());
   const PlaneScore score = planeScore(truth, found, overlap, matches);
-  EXPECT_NEAR(score.median_normalised_error, 6.0, 0.1);
+  EXPECT_NEAR(score.median_normalised_error, 8.0, 0.1);
   EXPECT_EQ(score.within_95, 0.5);
 }
 

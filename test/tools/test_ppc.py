@@ -88,7 +88,9 @@ class Segment(WithFolder):
         covariance = [plane["covariance"][4 * row:4 * row + 4] for row in range(4)]
         self.assertEqual(len(plane["covariance"]), 16)
         self.assertEqual(covariance, [list(column) for column in zip(*covariance)])
-        self.assertLess(sum(c * n for c, n in zip(covariance[0], plane["normal"])), 1e-12)  # |normal| = 1
+        trace = sum(covariance[k][k] for k in range(4))
+        for row in covariance:  # |normal| = 1
+            self.assertLess(abs(sum(c * n for c, n in zip(row, plane["normal"]))), 1e-6 * trace)
         for k in range(4):
             self.assertGreaterEqual(covariance[k][k], 0.0)
         self.assertGreater(covariance[3][3], 0.0)

@@ -11,7 +11,7 @@
 
 namespace ppc {
 
-/// Neighbouring pixels of a row or of two, all of one region.
+/// Neighbouring pixels in the order of the image, all of one region.
 struct PixelStretch {
   int begin, end;
 };
@@ -106,9 +106,10 @@ std::optional<BeamStep> stepOf(const BeamSums& sums, double scale = 1.0);
 /// @param origin one for all beams, about.
 Plane movedBy(const BeamStep& step, const BeamFrame& frame, const Eigen::Vector3d& origin);
 
-/// @brief How (n, d) changes with the step.
+/// @brief How (n, d) changes with the step, in its units. @param moved the plane after the step, movedBy().
 Eigen::Matrix<double, 4, 3> planeJacobian(const BeamFrame& frame, const Plane& moved);
-/// @brief Covariance of (n, d) from that of the step. @param variance of the errors [m^2].
+
+/// @brief Covariance of (n, d) from that of the step, for independent errors. @param variance of the errors [m^2].
 Eigen::Matrix4d planeCovariance(const BeamStep& step, const BeamFrame& frame, const Plane& moved, double variance);
 
 }  // namespace ppc

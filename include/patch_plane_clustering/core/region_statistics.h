@@ -11,8 +11,10 @@
 #include "patch_plane_clustering/core/score_scatter.h"
 #include "patch_plane_clustering/core/segmentation.h"
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace ppc {
@@ -58,8 +60,8 @@ struct RenumberingMemory {
 /// the plane to one side either or, up to 2048 points and where noise is above 5 mm, off the plane of the inside by more
 /// than it and walls that bow let them, unless half of the points were left out so or the rms of all became a quarter
 /// larger. The covariance takes the errors' own variance, and that errors go together in part, along lines or about, as
-/// their sums over some rows each show (ScoreScatter); what all points have in common, as the pose of the sensor, it cannot
-/// know. Centroid, count and rms are those of all points.
+/// their sums over some rows each show (ScoreScatter); what all rows have in common, as the pose of the sensor or errors of
+/// single beams, it cannot know. Centroid, count and rms are those of all points.
 /// @param labels values 1..N, 0 = none; same size as the grid.
 /// @return one region for each id 1..max that has at least 3 points; in ascending id.
 std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage& labels, int threads = 1);

@@ -21,7 +21,7 @@ struct ScoreScatter {
 };
 
 /// @brief The sandwich estimator of a covariance, with parts as clusters (Huber 1967, Liang & Zeger 1986), scaled by what
-/// the fit takes off the scores. Thread-safe.
+/// the fit takes off the scores. What all parts share, as the same errors in all lines, does not show. Thread-safe.
 /// @param begin,end sums of the parts of a region in the order of the image, about one plane. @param all their sum.
 /// @param step that minimises the squares of them all. @param variance of the errors that it leaves [m^2].
 ScoreScatter scatterOf(const BeamSums* begin, const BeamSums* end, const BeamSums& all, const Eigen::Vector3d& step,
@@ -38,7 +38,9 @@ struct CommonScatter {
 /// @param order working memory.
 CommonScatter commonScatter(const std::vector<ScoreScatter>& regions, std::vector<std::pair<float, float>>& order);
 
-/// @brief The inflation of a region, from its own scatter as far as that tells and from the common one.
+/// @brief The inflation of a region, from its own scatter as far as that tells and from the common one, with the growth and
+/// with what its inverse is too large by; in the coordinates of its own. Where errors are a line's, the common one is that
+/// of wide regions and more than narrow ones have, which tell nothing themselves: they err on the safe side.
 Eigen::Matrix3d inflationOf(const ScoreScatter& own, const CommonScatter& common);
 
 }  // namespace ppc

@@ -14,14 +14,14 @@ struct PlaneScore {
   double mean_offset_error = 0.0;   ///< distance of the true region's centroid from the found plane [m]
   double worst_normal_error = 0.0;  ///< [rad]
   double worst_offset_error = 0.0;  ///< [m]
-  /// Normalised errors squared: their median, and the share of them within the ellipsoid that holds 95 % of a plane's
-  /// covariance. Chi-square with three degrees of freedom has 2.37; infinite where a covariance is none.
+  /// Normalised errors squared: their median (median()), and the share of them within the ellipsoid that holds 95 % of a
+  /// plane's covariance. Chi-square with three degrees of freedom has 2.37; infinite where a covariance is none.
   double median_normalised_error = 0.0;
   double within_95 = 0.0;
 };
 
 /// @brief Normalised error squared of a plane: chi-square with three degrees of freedom if its covariance is right. Of two
-/// turns and of the offset at the true region's centroid: elsewhere it is not linear in the turns.
+/// turns and of the offset at the true region's centroid, taken to its plane: elsewhere it is not linear in the turns.
 /// @return infinite if the covariance has no inverse there.
 double normalisedErrorSquared(const PlanarRegion& truth, const PlanarRegion& found);
 
