@@ -185,6 +185,17 @@ class RegionFitter {
     });
   }
 
+  struct MovedPlane {
+    Plane plane;
+    double incidence;  // how much less obliquely the beams meet it than the plane of the start
+  };
+
+  struct NextStep {
+    BeamSums sums;  // that it was found from
+    BeamStep step;
+    MovedPlane moved;
+  };
+
   void step(std::size_t id, const BeamSums& sums, bool last, FringeMemory& fringe) {
     BeamStart& start = starts_[id];
     const double scale = newtonScale(sums, start.scale.limit);
@@ -207,17 +218,19 @@ class RegionFitter {
       start.frame = BeamFrame(moved->plane, start.frame.centre());
       return;
     }
-    describe(id, sums, sums, *step, scale, *moved);
+    describe(id, sums, *step, *moved);
     stages_[id] = Stage::kDone;
-    findScatter(id, sums, *step, scale);
+    std::optional<NextStep> rest;
     if (sums.valid <= kFringePoints && start.scale.limit < kNoLimit) {
-      leaveOutFringe(id, sums, scale, std::sqrt(scale * varianceOf(sums, step->gain)), fringe);
+      rest = leaveOutFringe(id, sums, scale, std::sqrt(scale * varianceOf(sums, step->gain)), fringe);
     }
+    findSpread(id, rest ? *rest : NextStep{sums, *step, *moved}, scale);
   }
 
   // One more step, without the parts of the fringe that are off the plane or that of the inside: of a narrow region, the
-  // fringe turns the plane so that it looks less off.
-  void leaveOutFringe(std::size_t id, const BeamSums& sums, double scale, double sigma, FringeMemory& memory) {
+  // fringe turns the plane so that it looks less off. None if nothing was left out.
+  std::optional<NextStep> leaveOutFringe(std::size_t id, const BeamSums& sums, double scale, double sigma,
+                                         FringeMemory& memory) {
     const BeamStart& start = starts_[id];
     Fringe fringe(grid_, blocksBegin(id), blocksEnd(id), memory);
     const FringeJudge whole{regions_[id].plane, sigma};
@@ -226,25 +239,27 @@ class RegionFitter {
     if (may_tell) inside = stepWithout(fringe.all(), start, sums, scale);
     const std::vector<PixelStretch>& off =
         inside ? fringe.off({whole, judgeOf(*inside, start, scale)}, start.scale) : fringe.off({whole}, start.scale);
-    if (off.empty()) return;
+    if (off.empty()) return std::nullopt;
     const std::optional<NextStep> next = stepWithout(off, start, sums, scale);
-    if (!next) return;
+    if (!next) return std::nullopt;
     const PlanarRegion before = regions_[id];
-    const Eigen::Matrix<double, 4, 3> root_before = memory_.roots[id];
-    describe(id, sums, next->sums, next->step, scale, next->moved);
+    describe(id, sums, next->step, next->moved);
     if (regions_[id].rms > kWorseRms * before.rms) {  // the region, not what is beside it, was left out
       regions_[id] = before;
-      memory_.roots[id] = root_before;
-      return;
+      return std::nullopt;
     }
     takeFromParts(id, off);
-    findScatter(id, next->sums, next->step, scale);
+    return next;
   }
 
-  void findScatter(std::size_t id, const BeamSums& telling, const BeamStep& step, double scale) {
+  // What the covariance comes from: root and scatter, of the points that the last step was found from.
+  void findSpread(std::size_t id, const NextStep& last, double scale) {
+    const double variance = varianceOf(last.sums, last.step.gain);
+    memory_.roots[id] = scale * std::sqrt(variance) * planeJacobian(starts_[id].frame, last.moved.plane) *
+                        inverseRoot(equationsOf(last.sums));
     const BeamSums* const parts = memory_.beam_parts.data();
-    memory_.scatters[id] = scatterOf(parts + memory_.chunks_begin[id], parts + memory_.chunks_begin[id + 1], telling,
-                                     step.x / scale, varianceOf(telling, step.gain));
+    memory_.scatters[id] = scatterOf(parts + memory_.chunks_begin[id], parts + memory_.chunks_begin[id + 1], last.sums,
+                                     last.step.x / scale, variance);
   }
 
   // Takes pixels, which are in the order of the image, from the sums of the region's chunks.
@@ -261,11 +276,6 @@ class RegionFitter {
     }
   }
 
-  struct MovedPlane {
-    Plane plane;
-    double incidence;  // how much less obliquely the beams meet it than the plane of the start
-  };
-
   // The plane after a step; none if the beams do not meet it from the side they met the start's.
   static std::optional<MovedPlane> planeAfter(const BeamStep& step, const BeamStart& start, const BeamSums& sums) {
     const Plane plane = movedBy(step, start.frame, start.origin);
@@ -274,12 +284,6 @@ class RegionFitter {
     if (!plane.normal.allFinite() || !std::isfinite(plane.d) || !(incidence > 0.0)) return std::nullopt;
     return MovedPlane{plane, incidence};
   }
-
-  struct NextStep {
-    BeamSums sums;  // that it was found from
-    BeamStep step;
-    MovedPlane moved;
-  };
 
   // The step without some pixels; none if it is without half of the points or tells no plane.
   std::optional<NextStep> stepWithout(const std::vector<PixelStretch>& pixels, const BeamStart& start, const BeamSums& sums,
@@ -304,9 +308,8 @@ class RegionFitter {
     return std::max(0.0, sums.whh - gain) / std::max(1, sums.kept - 3);
   }
 
-  // @param all sums of all points. @param telling of those that the step was found from.
-  void describe(std::size_t id, const BeamSums& all, const BeamSums& telling, const BeamStep& step, double scale,
-                const MovedPlane& moved) {
+  // @param all sums of all points, not only of those that the step was found from.
+  void describe(std::size_t id, const BeamSums& all, const BeamStep& step, const MovedPlane& moved) {
     const BeamStart& start = starts_[id];
     PlanarRegion& region = regions_[id];
     region.plane = moved.plane;
@@ -315,8 +318,6 @@ class RegionFitter {
     // The step brings all points nearer, at the kept ones' mean incidence, and changes that.
     const double squares = all.hh - gainOf(all, step.x) * all.kept / all.w;
     region.rms = moved.incidence * std::sqrt(std::max(0.0, squares) / all.valid);
-    memory_.roots[id] = scale * std::sqrt(varianceOf(telling, step.gain)) * planeJacobian(start.frame, moved.plane) *
-                        inverseRoot(equationsOf(telling));
   }
 
   // The first point of a region; the frame's origin if it has none.

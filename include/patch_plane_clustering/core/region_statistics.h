@@ -59,9 +59,9 @@ struct RenumberingMemory {
 /// from beside the region do not turn it; of regions up to 8192 points, without parts of the fringe (Fringe) that lie off
 /// the plane to one side either or, up to 2048 points and where noise is above 5 mm, off the plane of the inside by more
 /// than it and walls that bow let them, unless half of the points were left out so or the rms of all became a quarter
-/// larger. The covariance takes the errors' own variance, and that errors go together in part, along lines or about, as
-/// their sums over some rows each show (ScoreScatter); what all rows have in common, as the pose of the sensor or errors of
-/// single beams, it cannot know. Centroid, count and rms are those of all points.
+/// larger. The covariance takes the errors' own variance, and that errors go together in part, along a line or over a few,
+/// as their sums over some rows each show (ScoreScatter); what all rows have in common, as the pose of the sensor or errors
+/// of single beams, it cannot know. Centroid, count and rms are those of all points.
 /// @param labels values 1..N, 0 = none; same size as the grid.
 /// @return one region for each id 1..max that has at least 3 points; in ascending id.
 std::vector<PlanarRegion> describeRegions(const BeamGrid& grid, const LabelImage& labels, int threads = 1);
