@@ -16,6 +16,8 @@ constexpr double kAlike = 1e-7;             // [rad]
 constexpr std::size_t kFrozenSteps = 2;     // steps without motion that may be a frozen encoder
 constexpr std::size_t kSteadySteps = 3;     // steps before them that tell the speed
 constexpr std::size_t kUsualIntervals = 8;  // intervals that tell the usual one
+constexpr std::size_t kNextIntervals = 3;   // where there are none before, the shortest of those after tells it
+constexpr double kMissing = 1.5;            // of the usual interval: one that is longer lacks samples
 constexpr double kMostAngle = 1e9;          // beyond, an angle has no digits left for a part of a turn [rad]
 
 }  // namespace
@@ -135,18 +137,29 @@ void TiltTrack::add(double stamp, double angle) {
   suspects_.clear();
 }
 
-// True if samples are missing before the one of index `after`: most intervals before are much shorter.
-bool TiltTrack::samplesMissBefore(std::size_t after) const {
+// The usual interval before the one that ends with the sample of index `after`; 0 if there are none. [s]
+double TiltTrack::usualIntervalBefore(std::size_t after) const {
   std::array<double, kUsualIntervals> intervals;
   std::size_t n = 0;
   for (std::size_t i = after - 1; i > 0 && n < intervals.size() && !samples_[i].after_jump; --i) {
     intervals[n++] = samples_[i].stamp - samples_[i - 1].stamp;
   }
-  if (n == 0) return false;
+  if (n == 0) return 0.0;
   // A quarter of them tells the usual one: others may be gaps as well.
   const auto usual = intervals.begin() + static_cast<std::ptrdiff_t>((n - 1) / 4);
   std::nth_element(intervals.begin(), usual, intervals.begin() + static_cast<std::ptrdiff_t>(n));
-  return samples_[after].stamp - samples_[after - 1].stamp > 1.5 * *usual;
+  return *usual;
+}
+
+// Whether a straight line between the first two samples, or the first two after a jump, is one across a gap: then nothing
+// tells how the motor came to be there.
+TiltTrack::Status TiltTrack::judgeFirst(std::size_t after) const {
+  const double interval = samples_[after].stamp - samples_[after - 1].stamp;
+  for (std::size_t i = after + 1; i <= after + kNextIntervals; ++i) {
+    if (i == samples_.size()) return Status::kTooNew;
+    if (samples_[i].after_jump || interval > kMissing * (samples_[i].stamp - samples_[i - 1].stamp)) return Status::kGap;
+  }
+  return Status::kReady;
 }
 
 // First of the samples that end with `last`, go back for `span` and have no jump among them.
@@ -225,10 +238,11 @@ TiltTrack::Status TiltTrack::lookup(double stamp, double& angle) const {
   const Sample& before = *(after - 1);
   if (after->after_jump || after->stamp - before.stamp > options_.max_gap) return Status::kGap;
   const auto index = static_cast<std::size_t>(after - samples_.begin());
-  if (samplesMissBefore(index)) {
-    const Status status = judgeGap(index);
-    if (status != Status::kReady) return status;
-  }
+  const double usual = usualIntervalBefore(index);
+  const Status status = usual == 0.0                                     ? judgeFirst(index)
+                        : after->stamp - before.stamp > kMissing * usual ? judgeGap(index)
+                                                                         : Status::kReady;
+  if (status != Status::kReady) return status;
   angle = before.angle + (after->angle - before.angle) * (stamp - before.stamp) / (after->stamp - before.stamp);
   return Status::kReady;
 }

@@ -188,7 +188,7 @@ TEST(SweepAssembler, rowsAscendInBothDirectionsAndTheGridIsTheSame) {
 
 TEST(SweepAssembler, linesWaitForTheirSamplesAndAreNeverExtrapolated) {
   Rig rig;
-  rig.sample(kStart);
+  for (const double t : {-0.03, -0.02, -0.01, 0.0}) rig.sample(kStart + t);
   rig.assembler.push(rig.line(kStart + 0.005));  // lasts until 0.020
   rig.sample(kStart + 0.01);
   EXPECT_EQ(rig.assembler.openLines(), 0);
@@ -236,7 +236,7 @@ TEST(SweepAssembler, waitsForTheMount) {
 
 TEST(SweepAssembler, aReorderedLineInTheQueueIsPutInPlaceALateOneDropped) {
   Rig rig;
-  rig.sample(kStart);
+  for (const double t : {-0.3, -0.2, -0.1, 0.0}) rig.sample(kStart + t);
   rig.assembler.push(rig.line(kStart + 0.050));
   rig.assembler.push(rig.line(kStart + 0.025));
   rig.assembler.push(rig.line(kStart + 0.025));

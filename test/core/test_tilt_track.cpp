@@ -18,6 +18,7 @@ TEST(TiltTrack, interpolatesLinearlyBetweenBracketingSamples) {
   TiltTrack track;
   track.add(10.0, 0.1);
   track.add(10.2, 0.5);
+  for (int i = 2; i <= 4; ++i) track.add(10.0 + 0.2 * i, 0.5);
   double angle = 0.0;
   ASSERT_EQ(track.lookup(10.05, angle), Status::kReady);
   EXPECT_NEAR(angle, 0.2, 1e-12);
@@ -43,8 +44,7 @@ TEST(TiltTrack, doesNotBridgeAGap) {
   TiltTrackOptions options;
   options.max_gap = 0.3;
   TiltTrack track(options);
-  track.add(1.0, 0.0);
-  track.add(1.25, 0.1);
+  for (int i = 0; i <= 5; ++i) track.add(0.25 * i, 0.1);
   track.add(1.7, 0.2);
   double angle = 0.0;
   EXPECT_EQ(track.lookup(1.24, angle), Status::kReady);
@@ -55,12 +55,12 @@ TEST(TiltTrack, doesNotBridgeAGap) {
 TEST(TiltTrack, unwrapsAcrossPi) {
   TiltTrack track;
   track.add(1.0, 3.1);
-  track.add(1.1, -3.1);
+  for (const double t : {1.1, 1.2, 1.3}) track.add(t, -3.1);
+  track.add(1.4, 3.1);
+  EXPECT_NEAR(track.newestAngle(), 3.1, 1e-12);
   double angle = 0.0;
   ASSERT_EQ(track.lookup(1.05, angle), Status::kReady);
   EXPECT_NEAR(angle, M_PI, 1e-12);
-  track.add(1.2, 3.1);
-  EXPECT_NEAR(track.newestAngle(), 3.1, 1e-12);
 }
 
 TEST(TiltTrack, countsTurnsOfASpinningJoint) {
@@ -120,6 +120,7 @@ TEST(TiltTrack, acceptsAConfirmedJumpWithoutInterpolatingAcrossIt) {
   track.add(1.0, 0.0);
   for (int i = 1; i <= 3; ++i) track.add(1.0 + 0.02 * i, 2.0 + 0.001 * i);
   EXPECT_EQ(track.counts().accepted, 4U);
+  for (int i = 4; i <= 6; ++i) track.add(1.0 + 0.02 * i, 2.0 + 0.001 * i);
   double angle = 0.0;
   EXPECT_EQ(track.lookup(1.01, angle), Status::kGap);
   ASSERT_EQ(track.lookup(1.03, angle), Status::kReady);
@@ -143,6 +144,7 @@ TEST(TiltTrack, startsAgainWhenTheClockJumpsBack) {
   EXPECT_EQ(track.counts().clock_resets, 0U);
   track.add(50.2, 0.2);
   EXPECT_EQ(track.counts().clock_resets, 1U);
+  for (const double t : {50.3, 50.4}) track.add(t, 0.2);
   double angle = 0.0;
   EXPECT_EQ(track.lookup(100.5, angle), Status::kTooNew);
   ASSERT_EQ(track.lookup(50.05, angle), Status::kReady);
@@ -157,6 +159,7 @@ TEST(TiltTrack, aClockSetBackALittleStartsAgainToo) {
   EXPECT_EQ(track.counts().not_newer, 0U);
   double angle = 0.0;
   EXPECT_EQ(track.lookup(100.3, angle), Status::kTooNew);
+  for (int i = 3; i < 6; ++i) track.add(100.2 + 0.01 * i, 0.5 + 0.001 * i);
   ASSERT_EQ(track.lookup(100.215, angle), Status::kReady);
   EXPECT_NEAR(angle, 0.5015, 1e-12);
 }
@@ -278,6 +281,33 @@ TEST(TiltTrack, aGapIsJudgedOnceTheMotionAfterItIsKnown) {
   track.add(1.71, 0.355);
   ASSERT_EQ(track.lookup(1.55, angle), Status::kReady);
   EXPECT_NEAR(angle, 0.275, 1e-12);
+}
+
+TEST(TiltTrack, theFirstSamplesAreJudgedByThoseAfterThem) {
+  // Samples are missing between the first two, and again after a jump.
+  TiltTrack track;
+  track.add(1.0, 0.0);
+  double angle = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    track.add(1.3 + 0.01 * i, 0.1);
+    EXPECT_EQ(track.lookup(1.1, angle), i == 0 ? Status::kTooNew : Status::kGap) << i;
+    EXPECT_EQ(track.lookup(1.0, angle), Status::kReady);
+  }
+  track.add(1.33, 2.0);
+  for (int i = 0; i < 5; ++i) track.add(1.43 + 0.01 * i, 2.1);
+  EXPECT_EQ(track.counts().jumps, 1U);
+  EXPECT_EQ(track.lookup(1.325, angle), Status::kGap);
+  EXPECT_EQ(track.lookup(1.4, angle), Status::kGap);
+  EXPECT_EQ(track.lookup(1.435, angle), Status::kReady);
+  // None are missing here, which is known once three more have come.
+  TiltTrack steady;
+  steady.add(1.0, 0.0);
+  for (int i = 1; i <= 4; ++i) {
+    EXPECT_EQ(steady.lookup(1.005, angle), Status::kTooNew) << i;
+    steady.add(1.0 + 0.01 * i, 0.01 * i);
+  }
+  ASSERT_EQ(steady.lookup(1.005, angle), Status::kReady);
+  EXPECT_NEAR(angle, 0.005, 1e-12);
 }
 
 TEST(TiltTrack, aMotorThatStepsOrAnEncoderReadSlowlyIsNotFrozen) {

@@ -27,7 +27,8 @@ struct TiltTrackOptions {
 ///
 /// Where samples are missing, a straight line is drawn only if the speeds before and after agree with it: the cubic through
 /// both ends with these speeds (Hermite's) may leave it by `max_bend`, or by what a coarse encoder leaves it anyway. So a
-/// time in such a gap is told once the samples after it are there, as many as span the gap again. Not thread-safe.
+/// time in such a gap is told once the samples after it are there, as many as span the gap again. Whether samples are
+/// missing between the first two, or the first two after a jump, the three intervals after them tell. Not thread-safe.
 class TiltTrack {
  public:
   enum class Status {
@@ -74,10 +75,11 @@ class TiltTrack {
   bool follows(const Sample& previous, const Sample& next) const;
   bool turnsBack(const Sample& sample);
   void append(const Sample& sample, bool after_jump);
-  bool samplesMissBefore(std::size_t after) const;
+  double usualIntervalBefore(std::size_t after) const;
   std::size_t windowBefore(std::size_t last, double span) const;
   std::size_t windowAfter(std::size_t first, double span) const;
   double coarsenessBefore(std::size_t last) const;
+  Status judgeFirst(std::size_t after) const;
   Status judgeGap(std::size_t after) const;
   std::size_t frozenFrom() const;
   bool thawsWith(const Sample& sample) const;
