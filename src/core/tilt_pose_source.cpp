@@ -18,18 +18,23 @@ Eigen::Vector3d tiltAxis(const std::string& name) {
 TiltPoseSource::TiltPoseSource(const Eigen::Vector3d& axis, const TiltTrackOptions& track_options, double max_wait)
     : axis_(axis.normalized()), track_(track_options), max_wait_(max_wait) {}
 
-PoseStatus TiltPoseSource::at(double stamp, LaserPose& pose) {
-  double tilt = 0.0;
-  switch (track_.lookup(stamp, tilt)) {
+PoseStatus tiltAt(const TiltTrack& track, double stamp, double max_wait, double& tilt) {
+  switch (track.lookup(stamp, tilt)) {
     case TiltTrack::Status::kTooNew:
-      return track_.empty() || stamp - track_.newestStamp() <= max_wait_ ? PoseStatus::kWait : PoseStatus::kNoTilt;
+      return track.empty() || stamp - track.newestStamp() <= max_wait ? PoseStatus::kWait : PoseStatus::kNoTilt;
     case TiltTrack::Status::kTooOld:
       return PoseStatus::kNoTilt;
     case TiltTrack::Status::kGap:
       return PoseStatus::kTiltGap;
-    case TiltTrack::Status::kReady:
-      break;
+    default:
+      return PoseStatus::kReady;
   }
+}
+
+PoseStatus TiltPoseSource::at(double stamp, LaserPose& pose) {
+  double tilt = 0.0;
+  const PoseStatus status = tiltAt(track_, stamp, max_wait_, tilt);
+  if (status != PoseStatus::kReady) return status;
   if (!mount_) return PoseStatus::kWaitTransform;
   pose.pose = tilting(tilt) * *mount_;
   pose.base = Eigen::Isometry3d::Identity();

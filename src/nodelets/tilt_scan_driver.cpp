@@ -205,10 +205,9 @@ class TiltScanDriver : public nodelet::Nodelet {
     health_.waits_for = whatLinesWaitFor();
     health_.standing = assembler_->standing();
     health_.lines = assembler_->accounts();
-    if (const TiltPoseSource* joint = poses_->joint()) {
-      health_.track = joint->track().counts();
-      if (joint->mount()) health_.mount = describeMount(*joint->mount());
-    }
+    if (const TiltTrack* tilts = poses_->tilts()) health_.track = tilts->counts();
+    const TiltPoseSource* joint = poses_->joint();
+    if (joint && joint->mount()) health_.mount = describeMount(*joint->mount());
     if (!unknown_.empty()) status.add("Unknown parameters", unknown_);
     diagnostics_.write(health_, (now - last_report_).toSec(), status);
     const std::string news = diagnostics_.news(status);

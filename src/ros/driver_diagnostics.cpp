@@ -52,13 +52,13 @@ void DriverDiagnostics::write(const DriverHealth& health, double elapsed,
   if (!health.last_fault.empty()) status.mergeSummary(DiagnosticStatus::WARN, health.last_fault);
   if (health.bad_joint_messages + health.track.implausible + health.track.not_finite >
       last_.bad_joint_messages + last_.track.implausible + last_.track.not_finite) {
-    status.mergeSummary(DiagnosticStatus::WARN, "bad joint samples");
+    status.mergeSummary(DiagnosticStatus::WARN, from_tf ? "bad samples of the tilt in tf" : "bad joint samples");
   }
   if (health.lost > last_.lost) {
     status.mergeSummaryf(DiagnosticStatus::WARN, "%u scans lost on the way", health.lost - last_.lost);
   }
-  if (!from_tf && health.track.jumps > last_.track.jumps) {
-    status.mergeSummary(DiagnosticStatus::WARN, "the joint's angle jumped");
+  if (health.track.jumps > last_.track.jumps) {
+    status.mergeSummary(DiagnosticStatus::WARN, from_tf ? "the tilt jumped in tf" : "the joint's angle jumped");
   }
   if (health.lines.layout_changes > last_.lines.layout_changes) {
     status.mergeSummary(DiagnosticStatus::WARN, "the scan's layout changed");
@@ -83,14 +83,13 @@ void DriverDiagnostics::write(const DriverHealth& health, double elapsed,
   }
   status.add("Layout changes", health.lines.layout_changes);
   status.add("Clock resets", std::max(health.lines.clock_resets, health.track.clock_resets));
-  if (!from_tf) {
-    status.add("Joint samples used", health.track.accepted);
-    status.add("Joint jumps", health.track.jumps);
-    status.add("Joint samples rejected: not newer", health.track.not_newer);
-    status.add("Joint samples rejected: not finite", health.track.not_finite);
-    status.add("Joint samples rejected: implausible", health.track.implausible);
-    status.add("Joint messages rejected: incomplete", health.bad_joint_messages);
-  }
+  const std::string origin = from_tf ? "Tf" : "Joint";
+  status.add(origin + " samples used", health.track.accepted);
+  status.add(origin + " jumps", health.track.jumps);
+  status.add(origin + " samples rejected: not newer", health.track.not_newer);
+  status.add(origin + " samples rejected: not finite", health.track.not_finite);
+  status.add(origin + " samples rejected: implausible", health.track.implausible);
+  if (!from_tf) status.add("Joint messages rejected: incomplete", health.bad_joint_messages);
   last_ = health;
 }
 

@@ -24,7 +24,8 @@ void LaserPoses::setLaserFrame(const std::string& frame) {
   };
   source_ = joint_.get();
   if (!joint_) {
-    tf_ = std::make_unique<TfPoseSource>(options_.axis, track(options_.base_frame, frame));
+    tf_ = std::make_unique<TfPoseSource>(options_.axis, track(options_.base_frame, frame), options_.track,
+                                         options_.sweep.max_wait);
     source_ = tf_.get();
   } else if (!joint_->mount()) {
     mount_finder_ = std::make_unique<MountFinder>(track(options_.base_frame, frame));
@@ -37,9 +38,10 @@ void LaserPoses::setLaserFrame(const std::string& frame) {
 
 void LaserPoses::resetClock(double stamp) {
   if (!source_) return;
-  source_->resetClock(stamp);
-  // Without simulated time tf2 does not see a clock jump back, and would mix the transforms of both runs.
+  // Without simulated time tf2 does not see a clock jump back, and would mix the transforms of both runs. It is cleared
+  // first: who watches it must not see samples of the old run after having forgotten that.
   if (buffer_) buffer_->clear();
+  source_->resetClock(stamp);
 }
 
 std::string LaserPoses::transforms() const {

@@ -9,24 +9,22 @@
 namespace ppc {
 namespace {
 
-Eigen::Isometry3d toIsometry(const geometry_msgs::Transform& t) {
-  const Eigen::Quaterniond q(t.rotation.w, t.rotation.x, t.rotation.y, t.rotation.z);
-  Eigen::Isometry3d transform(q.normalized());
-  transform.translation() = Eigen::Vector3d(t.translation.x, t.translation.y, t.translation.z);
-  return transform;
-}
+constexpr std::size_t kMostGaps = 16;
 
 }  // namespace
 
-TransformTrack::TransformTrack(const tf2::BufferCore& buffer, std::string target_frame, std::string source_frame,
-                               double max_gap, double max_wait)
+TransformTrack::TransformTrack(tf2::BufferCore& buffer, std::string target_frame, std::string source_frame, double max_gap,
+                               double max_wait)
     : buffer_(buffer),
       target_(std::move(target_frame)),
       source_(std::move(source_frame)),
       max_gap_(max_gap),
-      max_wait_(max_wait) {}
+      max_wait_(max_wait),
+      watch_(buffer, target_, source_) {}
 
 void TransformTrack::reset() {
+  watch_.reset();
+  fresh_.clear();
   newest_ = -1.0;
   gaps_.clear();
 }
@@ -39,15 +37,23 @@ double TransformTrack::newestStamp() const {
   }
 }
 
+void TransformTrack::look() {
+  fresh_ = watch_.take();
+  for (const StampedTransform& sample : fresh_) {
+    if (sample.stamp < newest_) gaps_.clear();  // the clock jumped back and tf has forgotten all
+    if (newest_ > 0.0 && sample.stamp - newest_ > max_gap_) gaps_.push_back({newest_, sample.stamp});
+    if (gaps_.size() > kMostGaps) gaps_.pop_front();
+    newest_ = sample.stamp;
+  }
+}
+
 PoseStatus TransformTrack::at(double stamp, Eigen::Isometry3d& transform) {
-  const double newest = newestStamp();
-  if (newest < newest_) gaps_.clear();  // the clock jumped back and tf has forgotten all
-  if (newest_ > 0.0 && newest - newest_ > max_gap_) gaps_.push_back({newest_, newest});
-  if (gaps_.size() > 16) gaps_.pop_front();
-  newest_ = newest;
-  if (newest < 0.0) return PoseStatus::kWaitTransform;
-  if (newest > 0.0 && stamp > newest) {
-    return stamp - newest > max_wait_ ? PoseStatus::kNoTransform : PoseStatus::kWaitTransform;
+  look();
+  // A sample that tf2 has but this has not looked at yet may end a hole: until then it is not there.
+  const bool is_static = newest_ < 0.0 && newestStamp() == 0.0;
+  if (newest_ < 0.0 && !is_static) return PoseStatus::kWaitTransform;
+  if (!is_static && stamp > newest_) {
+    return stamp - newest_ > max_wait_ ? PoseStatus::kNoTransform : PoseStatus::kWaitTransform;
   }
   for (const Gap& gap : gaps_) {
     if (gap.from < stamp && stamp < gap.to) return PoseStatus::kTiltGap;

@@ -457,6 +457,36 @@ TEST_F(TfFaults, missingTransformsCostThoseLines) {
   EXPECT_EQ(player.linesDropped(), drops("tilt gap"));
 }
 
+TEST_F(TfFaults, transformsMissingWhereTheMotorTurnsCostThoseLines) {
+  // Shorter than max_joint_gap, but the motor comes to a stop and back in them.
+  player.silent = [](double t) { return std::abs(std::remainder(t - kStart, 2.0)) < 0.095; };
+  start();
+  player.play(kStart - 1.0, kStart + 8.4);
+  ASSERT_TRUE(waitForImages(4));
+  expectSound();
+  EXPECT_NEAR(drops("tilt gap"), 5 * 8.0, 6.0);
+  EXPECT_LE(player.linesDropped() - drops("tilt gap"), 3.0);
+}
+
+TEST_F(TfFaults, wrongTransformsNowAndThenMoveNoRow) {
+  start();
+  player.with_tf = false;  // published below
+  const std::string base = ns_.substr(1) + "_base", laser = ns_.substr(1) + "_laser";
+  for (int tick = 0; tick < 1700; ++tick) {
+    const double t = kStart + tick / 200.0;
+    const bool wrong = tick > 400 && tick % 100 == 0;  // as of a joint whose encoder was misread
+    if (tick % 2 == 0) player.publishTransform(t, base, laser, player.laserAt(wrong ? t + 1.0 : t));
+    if (tick % 5 == 0) player.send_scan(player.scan(t));
+    ros::spinOnce();
+    ros::WallDuration(0.001).sleep();
+  }
+  ASSERT_TRUE(waitForImages(4));
+  expectSound();
+  EXPECT_GT(player.diagnosed("Tf samples rejected: implausible"), 8.0);
+  EXPECT_EQ(player.linesDropped(), drops("tilt gap") + drops("no transform"));
+  EXPECT_LE(player.linesDropped(), 2.0 * 13.0 + 3.0);
+}
+
 TEST_F(TfFaults, lateTransformsLoseNothing) {
   start();
   player.with_tf = false;  // published below, late

@@ -13,6 +13,10 @@ namespace ppc {
 /// @throws std::invalid_argument naming the allowed words.
 Eigen::Vector3d tiltAxis(const std::string& name);
 
+/// @brief Tilt at `stamp` [s], set for kReady alone: kWait, kNoTilt or kTiltGap where there is none.
+/// @param max_wait a time this much ahead of the newest sample has no tilt [s]
+PoseStatus tiltAt(const TiltTrack& track, double stamp, double max_wait, double& tilt);
+
 /// @brief Pose of the laser from its joint angle: R_axis(tilt) * mount, in the non-tilting base frame, whose origin lies on
 /// the tilt axis. The mount is the pose of the laser's scan frame in the tilting frame: lever arm [m] and rotation.
 class TiltPoseSource : public PoseSource {

@@ -28,7 +28,7 @@ struct DriverHealth {
   std::string mount;                ///< of the laser, in words; empty while it is not known
   bool standing = false;            ///< the tilt does not move
   LineAccounts lines;
-  TiltTrack::Counts track;
+  TiltTrack::Counts track;               ///< of the joint's samples, or of tf's
   std::uint64_t bad_joint_messages = 0;  ///< joint messages without stamp or position of the joint
   std::string last_fault;                ///< of a scan or joint message, since the last report
 };

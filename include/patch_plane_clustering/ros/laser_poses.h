@@ -26,6 +26,9 @@ class LaserPoses : public PoseSource {
   /// The joint, or null if the tilt comes from tf.
   TiltPoseSource* joint() const { return joint_.get(); }
 
+  /// What is known of the tilt, by the joint or by tf; null if no laser frame is set, which tf needs.
+  const TiltTrack* tilts() const { return joint_ ? &joint_->track() : tf_ ? &tf_->tilts() : nullptr; }
+
   /// @brief Looks for the laser's mount in tf, if it is to be found there. @param give_up take the best guess, or none
   /// @return a sentence when the mount has just been settled, else empty.
   std::string settleMount(bool give_up);
