@@ -313,6 +313,23 @@ class Bags(WithFolder):
                     out.write(topic, each, stamp)
         return path
 
+    def test_tilt_from_tf_after_the_last_line_judges_a_gap_before_it(self):
+        with rosbag.Bag(str(self.bag)) as source:
+            end = max(message.header.stamp.to_sec() for _, message, _ in source.read_messages("/scan")) - 0.6
+
+        def cut_off(topic, n, message):
+            header = message.transforms[0].header if topic == "/tf" else message.header
+            after = header.stamp.to_sec() - end  # of the last line that is kept
+            return [] if (after > 0 if topic == "/scan" else abs(after) < 0.06) else [message]
+        path = self.spoilt("gap.bag", cut_off)
+        rows = []
+        for options in ((), ("--tilt-from-tf",)):
+            run = ppc("segment", path, *options)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertNotIn("without tilt", run.stderr)
+            rows.append([json.loads(line)["rows"] for line in run.stdout.splitlines()])
+        self.assertEqual(rows[0], rows[1])
+
     def test_lines_that_are_left_out_are_told_with_the_cause(self):
         def no_increment(topic, n, message):
             if topic == "/scan" and n % 3 == 0:

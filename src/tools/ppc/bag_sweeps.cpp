@@ -113,6 +113,7 @@ LineAccounts assemble(const rosbag::Bag& bag, const BagTilt& tilt, const BagOpti
     if (message.getTopic() == tilt.scan) onScan(message);
     if (on_progress) on_progress(++read / messages);
   }
+  for (; next_tilt != tilt.tilts.end(); ++next_tilt) poses.track().add(next_tilt->first, next_tilt->second);
   assembler.process();
   assembler.close(SweepEnd::kIdle);
   return assembler.accounts();
